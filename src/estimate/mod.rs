@@ -17,8 +17,6 @@ mod floor_plan;
 
 pub use error_estimate::ErrorEstimate;
 
-use std::collections::BTreeMap;
-
 use crate::Options;
 use crate::solve::{Precision, Problem, in_precision};
 use crate::surface::{
@@ -314,7 +312,7 @@ fn coarse_seeds<R: Real>(
     sources: &Sources,
     fine: &DistanceMap<R>,
 ) -> Result<Vec<Seed>, SourceError> {
-    let mut earliest: BTreeMap<(usize, usize), Seed> = BTreeMap::new();
+    let mut all = Vec::new();
     for source in sources.iter() {
         let source: Sources = [source.clone()].into_iter().collect();
         let seeds = match coarse.sources(&source).seeds_with_origins(coarse.surface()) {
@@ -323,14 +321,9 @@ fn coarse_seeds<R: Real>(
             }
             seeds => seeds?,
         };
-        for seed in seeds {
-            let first = earliest.entry((seed.row, seed.col)).or_insert(seed);
-            if seed.time < first.time {
-                *first = seed;
-            }
-        }
+        all.extend(seeds);
     }
-    Ok(earliest.into_values().collect())
+    Ok(Seed::earliest(all))
 }
 
 /// Returns seeds at the coarse points that are at most a fine step from fine seeds.

@@ -42,7 +42,7 @@ impl Earth {
     /// nearer than a metre and nearly opposite points are left out.
     pub fn errors(&self, source: [f64; 2], distances: &[f64]) -> [f64; 2] {
         let (mut sum, mut weights, mut largest) = (0.0, 0.0, 0f64);
-        let found = self.grid.crop(distances);
+        let found = self.grid.lines().crop(distances);
         for (row, &latitude) in self.latitudes.iter().enumerate() {
             for (col, &longitude) in self.longitudes.iter().enumerate() {
                 let Some(exact) = vincenty(source, [longitude, latitude]) else { continue };

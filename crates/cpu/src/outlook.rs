@@ -7,6 +7,7 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
+use super::fast_marching::Arrival;
 use geosweep_surface::Targets;
 use geosweep_surface::update::{Triangle, planar};
 use geosweep_surface::{Chart, Direction, EdgeLengths, Real, Seed};
@@ -49,26 +50,8 @@ struct March<'a, R> {
     fixed: Vec<bool>,
     /// Lengths of the ways to the neighbours in the directions of `STORED`; NaN where not measured yet.
     ways: Vec<[f64; 4]>,
-    heap: BinaryHeap<Reverse<(Time, usize)>>,
+    heap: BinaryHeap<Reverse<Arrival<f64>>>,
     visits: u64,
-}
-
-/// A time that can be ordered.
-#[derive(Clone, Copy, PartialEq)]
-struct Time(f64);
-
-impl Eq for Time {}
-
-impl PartialOrd for Time {
-    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl Ord for Time {
-    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
-        self.0.total_cmp(&other.0)
-    }
 }
 
 /// The directions whose ways are stored at a point. A way in another direction is stored at the point where it ends.
@@ -124,7 +107,7 @@ impl<'a, R: Real> March<'a, R> {
             });
             // Several points are passed between two evaluations of `last`, which take long if there are many targets.
             for _ in 0..near.len().max(1) {
-                let Some(Reverse((Time(time), point))) = self.heap.pop() else { return last };
+                let Some(Reverse(Arrival { time, point })) = self.heap.pop() else { return last };
                 if time >= last {
                     return last;
                 }
@@ -168,7 +151,7 @@ impl<'a, R: Real> March<'a, R> {
     fn lower(&mut self, point: usize, time: f64) {
         if time < self.times[point] {
             self.times[point] = time;
-            self.heap.push(Reverse((Time(time), point)));
+            self.heap.push(Reverse(Arrival { time, point }));
         }
     }
 

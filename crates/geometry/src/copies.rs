@@ -1,23 +1,32 @@
 //! Finds the copies of points of closed surfaces, in bordered arrays.
 
-use std::collections::HashMap;
-
-use super::order::rank;
+use super::MapError;
+use super::order::{bordered, rank};
 use geosweep_surface::{EdgeLengths, Groups, Real};
 
 /// The groups of points that are copies of one point of the surface. Open surfaces have none.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Copies {
     groups: Option<Groups>,
-    /// The number of each point's group.
-    numbers: HashMap<u32, usize>,
 }
 
 impl Copies {
     pub(super) fn new(edges: &EdgeLengths<f32>) -> Self {
-        let groups = edges.copies().cloned();
-        let numbers = groups.as_ref().map(Groups::numbers).unwrap_or_default();
-        Self { groups, numbers }
+        Self { groups: edges.copies().cloned() }
+    }
+
+    /// Returns the copies and a map in a bordered array ([`bordered`]). All copies of a point have the earliest of their
+    /// times, which may differ by rounding in the given map.
+    pub(super) fn with_times(
+        edges: &EdgeLengths<f32>,
+        distances: &[f32],
+    ) -> Result<(Self, Vec<f32>), MapError> {
+        let (copies, mut times) = (Self::new(edges), bordered(edges.chart(), distances)?);
+        for group in copies.groups() {
+            let time = group.iter().fold(f32::FAR, |time, &copy| time.min(times[copy as usize]));
+            group.iter().for_each(|&copy| times[copy as usize] = time);
+        }
+        Ok((copies, times))
     }
 
     /// Returns whether the surface has no copies.
@@ -28,8 +37,7 @@ impl Copies {
     /// Returns the copies of a point in ascending order, the point itself included. Returns `None` if it has
     /// no other copy.
     fn group(&self, point: usize) -> Option<&[u32]> {
-        let groups = self.groups.as_ref()?;
-        self.numbers.get(&(point as u32)).map(|&number| groups.get(number))
+        self.groups.as_ref()?.around(point)
     }
 
     /// Returns the groups of copies.
@@ -65,14 +73,6 @@ impl Copies {
     #[inline]
     pub(super) fn first(&self, point: usize) -> usize {
         self.group(point).map_or(point, |group| group[0] as usize)
-    }
-
-    /// Gives all copies of a point the earliest of their times. The times of copies may differ by rounding.
-    pub(super) fn share_earliest(&self, times: &mut [f32]) {
-        for group in self.groups() {
-            let time = group.iter().fold(f32::FAR, |time, &copy| time.min(times[copy as usize]));
-            group.iter().for_each(|&copy| times[copy as usize] = time);
-        }
     }
 
     /// Returns the rank of a point in the order of arrival, which all its copies share.

@@ -77,19 +77,6 @@ impl<R: Real> EdgeLengths<R> {
     #[doc(hidden)]
     pub fn window(&self, block: &Block) -> Self {
         let (chart, (row, col)) = (block.chart(), block.first());
-        let mut lengths = [(); 4].map(|_| vec![R::FAR; chart.bordered_points()]);
-        for ((to, window), whole) in STORED.into_iter().zip(&mut lengths).zip(self.planes()) {
-            for line in 0..chart.rows {
-                let first = self.chart().bordered(row + line, col);
-                let window = chart.row_of_mut(window, line);
-                window.copy_from_slice(&whole[first..][..chart.cols]);
-                for (at, length) in window.iter_mut().enumerate() {
-                    if chart.neighbour(line, at, to).is_none() {
-                        *length = R::FAR;
-                    }
-                }
-            }
-        }
         let cut = |whole: &[R], outside: R| {
             let mut window = vec![outside; chart.bordered_points()];
             for line in 0..chart.rows {
@@ -98,6 +85,13 @@ impl<R: Real> EdgeLengths<R> {
             }
             window
         };
+        let mut lengths = self.planes().map(|whole| cut(whole, R::FAR));
+        for (to, lengths) in STORED.into_iter().zip(&mut lengths) {
+            let ends = |&(row, col): &(usize, usize)| chart.neighbour(row, col, to).is_none();
+            for (row, col) in chart.places().filter(ends) {
+                lengths[chart.bordered(row, col)] = R::FAR;
+            }
+        }
         let metric = self.shared.metric_curvature.as_deref();
         let shared = SharedEdges {
             chart,

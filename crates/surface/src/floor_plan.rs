@@ -3,7 +3,7 @@
 use glam::{DMat2, DVec2, DVec3};
 use rayon::prelude::*;
 
-use super::{ANCHORS, Chart, EvenGrid, Surface};
+use super::{ANCHORS, Chart, EvenGrid, Surface, kept};
 
 impl Surface {
     /// Returns whether the surface is a floor plan: a flat, evenly spaced grid without a slowness and without
@@ -25,18 +25,11 @@ impl Surface {
     }
 
     /// Returns the even grid of a floor plan.
-    #[doc(hidden)]
-    pub fn floor(&self) -> Option<EvenGrid> {
-        if let Some(floor) = self.floor.get() {
-            return *floor;
-        }
+    pub(crate) fn floor(&self) -> Option<EvenGrid> {
         let grid = || self.even_grid().filter(|grid| !grid.is_obtuse());
         // A path runs straight through the chart from its anchor to a point. This fails across seams.
         let is_open = has_numbers(self.chart) && !self.is_glued();
-        // The result is computed outside the lock: a thread that waits for others here may take up work that needs the
-        // result too.
-        let floor = is_open.then(grid).flatten();
-        *self.floor.get_or_init(|| floor)
+        *kept(&self.floor, || is_open.then(grid).flatten())
     }
 
     /// Fits an even grid to the surface by least squares. Returns `None` if the surface is not such a grid,

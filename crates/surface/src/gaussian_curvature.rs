@@ -9,6 +9,7 @@ use super::arc::EdgeRule;
 use super::chart::{Direction, EdgeSlot, ring};
 use super::edges::EdgeLengths;
 use super::jump::jumps;
+use super::kept;
 use super::real::{Real, max, min};
 use super::tag::Tagged;
 use crate::constants::{DEFECT_NOISE, LARGEST_DEFECT, REFLEX};
@@ -35,14 +36,7 @@ impl<R: Real> EdgeLengths<R> {
     }
 
     fn kept_gaussian_curvature(&self) -> &Arc<Vec<R>> {
-        let kept = &self.shared.gaussian_curvature;
-        if let Some(curvature) = kept.get() {
-            return curvature;
-        }
-        // The result is computed outside the lock: a thread that waits for others here may take up work that needs the
-        // result too.
-        let curvature = Arc::new(gaussian_curvature(self));
-        kept.get_or_init(|| curvature)
+        kept(&self.shared.gaussian_curvature, || Arc::new(gaussian_curvature(self)))
     }
 }
 

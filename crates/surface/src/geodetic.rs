@@ -70,7 +70,7 @@ pub enum GeodeticError {
 /// -180 to 180 degrees are both accepted, and jumps by a full turn from one column to the next are ignored. Lines may
 /// be unevenly spaced. Where the grid ends up to one and a half steps before a pole, or before its first column, the
 /// surface has one line more, as with columns from 0 to 359 degrees or with values at the middles of cells.
-/// [`GeodeticGrid::crop`] takes these lines away from a map.
+/// [`CompletedGrid::crop`] takes these lines away from a map.
 ///
 /// ```
 /// use geosweep::surface::GeodeticGrid;
@@ -85,7 +85,7 @@ pub enum GeodeticError {
 /// let [row, col] = grid.place([-78.5, 0.0]).unwrap();
 /// let map = distance_map_f64(&surface, &Sources::point(row, col), &Options::default())?;
 /// assert!((map.distance(0, 0) - 10_001_966.0).abs() < 1e4);
-/// assert_eq!(grid.crop(&map.distances).len(), 36 * 72);
+/// assert_eq!(grid.lines().crop(&map.distances).len(), 36 * 72);
 /// # Ok::<(), geosweep::Error>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
@@ -157,7 +157,7 @@ impl GeodeticGrid {
             let (row, col) = (index / cols, index % cols);
             return Err(SurfaceError::Infinite { what: "heights", row, col });
         }
-        let heights = self.extend(heights);
+        let heights = self.lines.extend(heights);
         let places = self.latitudes.iter().flat_map(|&latitude| {
             self.longitudes.iter().map(move |&longitude| [longitude, latitude])
         });
@@ -171,45 +171,15 @@ impl GeodeticGrid {
     }
 
     /// Returns the lines of the grid, with those that are added: a row at a pole, and a column where the grid goes round.
-    /// The value at a pole is a mean ([`CompletedGrid::extend`]).
+    /// They convert values and places between the given grid and the surface's. The value at a pole is a mean
+    /// ([`CompletedGrid::extend`]).
     pub fn lines(&self) -> &CompletedGrid {
         &self.lines
-    }
-
-    /// Returns values at all points of the surface from `values` at the given points, as [`CompletedGrid::extend`]
-    /// does.
-    ///
-    /// # Panics
-    /// If there is not one value for each given point.
-    pub fn extend(&self, values: &[f64]) -> Vec<f64> {
-        self.lines.extend(values)
     }
 
     /// Returns whether the columns go round the Earth, so that the surface is closed.
     pub fn goes_round(&self) -> bool {
         self.goes_round
-    }
-
-    /// Returns whether the surface has rows or columns that are not given.
-    pub fn is_extended(&self) -> bool {
-        self.lines.is_extended()
-    }
-
-    /// Returns how far the surface goes on beyond the given lines, as [`CompletedGrid::margins`] does.
-    pub fn margins(&self) -> [[f64; 2]; 2] {
-        self.lines.margins()
-    }
-
-    /// Returns the row and column on the surface's grid of a place on the given grid, which may lie beyond it by up
-    /// to [`GeodeticGrid::margins`]. A place off the surface is moved to its end.
-    pub fn to_surface(&self, place: [f64; 2]) -> [f64; 2] {
-        self.lines.nearest(place)
-    }
-
-    /// Returns the row and column on the given grid of a place on the surface's grid: the inverse of
-    /// [`GeodeticGrid::to_surface`].
-    pub fn to_given(&self, place: [f64; 2]) -> [f64; 2] {
-        self.lines.to_given(place)
     }
 
     /// Returns the row and column, which may be fractional, of a place on the surface's grid, given by longitude and
@@ -219,14 +189,6 @@ impl GeodeticGrid {
         let turns = ((longitude - first.min(last)) / TURN).floor();
         let col = between(&self.longitudes, longitude - turns * TURN)?;
         Some([between(&self.latitudes, latitude)?, col])
-    }
-
-    /// Returns the values at the given points from `values` at all points of the surface, both row-major.
-    ///
-    /// # Panics
-    /// If there is not one value for each point of the surface.
-    pub fn crop<T: Copy>(&self, values: &[T]) -> Vec<T> {
-        self.lines.crop(values)
     }
 }
 
@@ -347,7 +309,7 @@ mod tests {
             let surface = grid.surface(&vec![0.0; rows * cols]).unwrap();
             assert!(surface.seams().is_empty());
             let all: Vec<_> = (0..surface.chart().points()).collect();
-            let first = grid.crop(&all)[0];
+            let first = grid.lines().crop(&all)[0];
             (surface.rows(), surface.cols(), first, surface.is_glued())
         };
         // Samples lie on lines, at the middles of cells, or on lines without the poles, in either order of latitudes.
@@ -382,7 +344,7 @@ mod tests {
     fn given_places_are_those_of_the_surface() {
         // Poles lie half a step beyond the outermost rows, and the seam 1.12 steps beyond the last column.
         let grid = GeodeticGrid::new(&lines(18, 85.0, -10.0), &lines(36, 5.0, 9.966)).unwrap();
-        let [[north, south], [west, east]] = grid.margins();
+        let [[north, south], [west, east]] = grid.lines().margins();
         assert_eq!([north, south, west], [0.5, 0.5, 0.0]);
         assert!((east - (360.0 - 35.0 * 9.966) / 9.966).abs() < 1e-9, "{east}");
         for (given, surface) in [
@@ -392,14 +354,15 @@ mod tests {
             ([17.5, 0.0], [19.0, 0.0]),
             ([8.5, 35.0 + 0.25 * east], [9.5, 35.25]),
         ] {
-            assert_eq!(grid.to_surface(given), surface);
-            assert_eq!(grid.to_given(surface), given);
+            assert_eq!(grid.lines().to_completed(given), Some(surface));
+            assert_eq!(grid.lines().to_given(surface), given);
         }
         // A region with a row at a pole and no line added.
         let region = GeodeticGrid::new(&lines(8, 90.0, -10.0), &lines(20, 5.0, 10.0)).unwrap();
-        assert_eq!(region.margins(), [[0.0; 2]; 2]);
-        assert_eq!(region.to_surface([0.5, 19.0]), [0.5, 19.0]);
-        assert!(!region.is_extended() && !region.goes_round() && grid.is_extended());
+        assert_eq!(region.lines().margins(), [[0.0; 2]; 2]);
+        assert_eq!(region.lines().to_completed([0.5, 19.0]), Some([0.5, 19.0]));
+        assert!(!region.lines().is_extended() && !region.goes_round());
+        assert!(grid.lines().is_extended());
     }
 
     #[test]
@@ -407,10 +370,10 @@ mod tests {
         let grid = GeodeticGrid::new(&lines(4, 67.5, -45.0), &lines(8, 0.0, 45.0)).unwrap();
         let mut values = vec![1.0; 32];
         (values[0], values[1], values[2]) = (5.0, f64::NAN, f64::INFINITY);
-        let all = grid.extend(&values);
+        let all = grid.lines().extend(&values);
         assert_eq!(all[..9], [10.0 / 6.0; 9]);
         assert_eq!((all[9], all[17], all[18]), (5.0, 5.0, 1.0));
-        assert_eq!(grid.crop(&all)[3..], values[3..]);
+        assert_eq!(grid.lines().crop(&all)[3..], values[3..]);
     }
 
     #[test]

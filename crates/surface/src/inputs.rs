@@ -1,6 +1,5 @@
 //! Holds the inputs at each grid point: a geometry, whether the point is present, and a slowness.
 
-use super::chart::{Block, Chart};
 use super::geometry::Geometry;
 
 /// The inputs at each grid point, row-major.
@@ -15,25 +14,15 @@ pub(super) struct Inputs {
 }
 
 impl Inputs {
-    /// Returns the inputs at the points of a block.
-    pub(super) fn cut(&self, chart: Chart, block: &Block) -> Self {
-        Self {
-            geometry: self.geometry.cut(chart, block),
-            slowness: self.slowness.as_deref().map(|slowness| block.cut(chart, slowness)),
-            present: block.cut(chart, &self.present),
-            is_scaled: self.is_scaled,
-        }
-    }
-
     /// Returns the inputs at some points. Points without an index are holes.
-    pub(super) fn gathered(&self, points: &[Option<usize>]) -> Self {
+    pub(super) fn gathered(&self, points: impl Iterator<Item = Option<usize>> + Clone) -> Self {
         let slowness = |slowness: &Vec<f64>| {
-            points.iter().map(|point| point.map_or(1.0, |index| slowness[index])).collect()
+            points.clone().map(|point| point.map_or(1.0, |index| slowness[index])).collect()
         };
         Self {
-            geometry: self.geometry.gathered(points),
+            geometry: self.geometry.gathered(points.clone()),
             slowness: self.slowness.as_ref().map(slowness),
-            present: points.iter().map(|point| point.is_some_and(|at| self.present[at])).collect(),
+            present: points.map(|point| point.is_some_and(|at| self.present[at])).collect(),
             is_scaled: self.is_scaled,
         }
     }

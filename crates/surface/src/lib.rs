@@ -146,10 +146,7 @@ impl Surface {
         heights: Vec<f64>,
         spacing: Spacing,
     ) -> Result<Self, SurfaceError> {
-        if !spacing.is_usable() {
-            return Err(SurfaceError::Spacing { dx: spacing.dx, dy: spacing.dy });
-        }
-        Self::new(rows, cols, Geometry::Heights { heights: heights.into(), spacing })
+        Self::from_shared_heights(rows, cols, Arc::new(heights), spacing)
     }
 
     /// Makes a height field as [`Self::from_heights`] does, from heights that stay in an array of the
@@ -279,6 +276,15 @@ impl Surface {
         let beside = !to.is_diagonal() || has(to.previous()) || has(to.next());
         self.has(row, col) && has(to) && beside
     }
+}
+
+/// Returns the value in a lock, computed on the first call. It is computed outside the lock: a thread that waits for
+/// others in `compute` may take up work that needs the value too.
+fn kept<T>(lock: &OnceLock<T>, compute: impl FnOnce() -> T) -> &T {
+    lock.get().unwrap_or_else(|| {
+        let value = compute();
+        lock.get_or_init(|| value)
+    })
 }
 
 /// Number of anchors that a front can name. Half of the numbers are for grid points, half for sources inside

@@ -5,7 +5,7 @@
 use super::Surface;
 use super::arc::{arc, bends, end_bend, normal};
 use super::chart::{Direction, STORED};
-use super::geometry::{InSpace, Space};
+use super::geometry::{Geometry, Heights, Metric, Positions, Space};
 use super::points::Row;
 use super::real::{LONGEST_EDGE, Real, SHORTEST_EDGE, max};
 use crate::lanes::{Instructions, Loop};
@@ -36,20 +36,34 @@ impl<R: Real> RowBends<R> {
     #[inline(always)]
     fn part(&self, line: usize, first: usize, points: usize) -> [&[R]; 4] {
         let [x, y, z] = &self.normals;
-        let along = &self.along[line];
-        [
-            &along[first..][..points],
-            &x[first..][..points],
-            &y[first..][..points],
-            &z[first..][..points],
-        ]
+        [&self.along[line], x, y, z].map(|values| &values[first..][..points])
     }
+}
+
+/// Runs a loop in the space in which the points of a surface lie.
+macro_rules! run_in_space {
+    ($surface:expr, |$space:ident| $loop:expr) => {{
+        macro_rules! run {
+            ($in:expr) => {{
+                let $space = $in;
+                Instructions::best().run($loop)
+            }};
+        }
+        match $surface.geometry() {
+            Geometry::Positions(_) if $surface.has_corners() => run!(Positions::<true>),
+            Geometry::Positions(_) => run!(Positions::<false>),
+            Geometry::Heights { spacing, .. } => {
+                run!(Heights { dx: R::of(spacing.dx), dy: R::of(spacing.dy) })
+            }
+            Geometry::Metric(_) => run!(Metric),
+        }
+    }};
 }
 
 impl Surface {
     /// Computes the bends at the points of a row, from the row before, the row itself and the row after.
     pub(super) fn bend_row<R: Real>(&self, rows: [&Row<R>; 3], bends: &mut RowBends<R>) {
-        self.geometry().in_space(self.has_corners(), BendRow { rows, bends });
+        run_in_space!(self, |space| Bend { space, rows, bends });
     }
 
     /// Computes the lengths of the edges stored at the points of a row. `rows` are the row before and the row
@@ -61,38 +75,7 @@ impl Surface {
         bends: [&RowBends<R>; 4],
         lengths: &mut [Vec<R>; 4],
     ) -> bool {
-        self.geometry().in_space(self.has_corners(), MeasureRow { rows, bends, lengths })
-    }
-}
-
-/// Runs [`Bend`] in any space.
-struct BendRow<'a, R> {
-    rows: [&'a Row<R>; 3],
-    bends: &'a mut RowBends<R>,
-}
-
-impl<R: Real> InSpace<R> for BendRow<'_, R> {
-    type Output = ();
-
-    fn run<S: Space<R>>(self, space: S) {
-        let Self { rows, bends } = self;
-        Instructions::best().run(Bend { space, rows, bends });
-    }
-}
-
-/// Runs [`Measure`] in any space.
-struct MeasureRow<'a, R> {
-    rows: [&'a Row<R>; 2],
-    bends: [&'a RowBends<R>; 4],
-    lengths: &'a mut [Vec<R>; 4],
-}
-
-impl<R: Real> InSpace<R> for MeasureRow<'_, R> {
-    type Output = bool;
-
-    fn run<S: Space<R>>(self, space: S) -> bool {
-        let Self { rows, bends, lengths } = self;
-        Instructions::best().run(Measure { space, rows, bends, lengths })
+        run_in_space!(self, |space| Measure { space, rows, bends, lengths })
     }
 }
 

@@ -96,10 +96,6 @@ impl<R: Real> EdgeLengths<R> {
             })?;
         let strips = strips::measured(surface, |part| Self::uninterrupted(part, origin))?;
         strips::replace_lengths(&strips, chart, &mut lengths);
-        let bordered = |index: usize| {
-            let (row, col) = chart.position(index);
-            chart.bordered(row, col)
-        };
         let slowness = surface.bordered_slowness();
         // The marks of cells do not hold with a slowness, since they come from weighted lengths, nor on glued
         // surfaces, since lengths beside seams have changed after the marking.
@@ -119,7 +115,9 @@ impl<R: Real> EdgeLengths<R> {
             gaussian_curvature: OnceLock::new(),
             obtuse,
             parts: Parts::default(),
-            copies: surface.copies().map(|groups| groups.mapped(bordered)),
+            copies: surface
+                .copies()
+                .map(|groups| groups.mapped(|index| chart.bordered_point(index))),
             strips,
             of_glued: surface.is_glued(),
         };

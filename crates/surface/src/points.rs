@@ -57,26 +57,14 @@ impl<R: Real> Row<R> {
     /// one.
     #[inline(always)]
     pub(super) fn part(&self, first: usize, points: usize) -> [&[R]; 4] {
-        let [x, y, z, slowness] = &self.0;
-        [
-            &x[first..][..points],
-            &y[first..][..points],
-            &z[first..][..points],
-            &slowness[first..][..points],
-        ]
+        self.0.each_ref().map(|values| &values[first..][..points])
     }
 
     /// Returns `points` points with an additional point at each end. The index `first` counts from the row's
     /// first point.
     #[inline(always)]
     pub(super) fn window(&self, first: usize, points: usize) -> Window<'_, R> {
-        let [x, y, z, slowness] = &self.0;
-        Window([
-            &x[first..][..points + 2],
-            &y[first..][..points + 2],
-            &z[first..][..points + 2],
-            &slowness[first..][..points + 2],
-        ])
+        Window(self.part(first, points + 2))
     }
 }
 

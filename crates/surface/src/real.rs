@@ -46,81 +46,51 @@ pub trait Real:
 mod sealed {
     /// Keeps other crates from adding precisions.
     pub trait Precision {}
-
-    impl Precision for f32 {}
-
-    impl Precision for f64 {}
 }
 
-impl Real for f32 {
-    const FAR: Self = FAR as f32;
-    type Bits = u32;
+macro_rules! precision {
+    ($real:ident, $bits:ident) => {
+        impl sealed::Precision for $real {}
 
-    #[inline(always)]
-    fn to_bits(self) -> u32 {
-        f32::to_bits(self)
-    }
+        impl Real for $real {
+            const FAR: Self = FAR as $real;
+            type Bits = $bits;
 
-    #[inline(always)]
-    fn from_bits(bits: u32) -> Self {
-        f32::from_bits(bits)
-    }
+            #[inline(always)]
+            fn to_bits(self) -> $bits {
+                $real::to_bits(self)
+            }
 
-    #[inline(always)]
-    fn units_between(self, other: Self) -> u32 {
-        self.to_bits().abs_diff(other.to_bits())
-    }
+            #[inline(always)]
+            fn from_bits(bits: $bits) -> Self {
+                $real::from_bits(bits)
+            }
 
-    #[inline(always)]
-    fn in_units(self) -> u32 {
-        (self / Self::EPSILON) as u32
-    }
+            #[inline(always)]
+            fn units_between(self, other: Self) -> $bits {
+                self.to_bits().abs_diff(other.to_bits())
+            }
 
-    #[inline(always)]
-    fn of(value: f64) -> Self {
-        value as f32
-    }
+            #[inline(always)]
+            fn in_units(self) -> $bits {
+                (self / Self::EPSILON) as $bits
+            }
 
-    #[inline(always)]
-    fn wide(self) -> f64 {
-        self.into()
-    }
+            #[inline(always)]
+            fn of(value: f64) -> Self {
+                value as $real
+            }
+
+            #[inline(always)]
+            fn wide(self) -> f64 {
+                self.into()
+            }
+        }
+    };
 }
 
-impl Real for f64 {
-    const FAR: Self = FAR;
-    type Bits = u64;
-
-    #[inline(always)]
-    fn to_bits(self) -> u64 {
-        f64::to_bits(self)
-    }
-
-    #[inline(always)]
-    fn from_bits(bits: u64) -> Self {
-        f64::from_bits(bits)
-    }
-
-    #[inline(always)]
-    fn units_between(self, other: Self) -> u64 {
-        self.to_bits().abs_diff(other.to_bits())
-    }
-
-    #[inline(always)]
-    fn in_units(self) -> u64 {
-        (self / Self::EPSILON) as u64
-    }
-
-    #[inline(always)]
-    fn of(value: f64) -> Self {
-        value
-    }
-
-    #[inline(always)]
-    fn wide(self) -> f64 {
-        self
-    }
-}
+precision!(f32, u32);
+precision!(f64, u64);
 
 /// Converts a count of [`Real::units_between`] to a relative change of an arrival time. The result is at most
 /// twice the true change, and 1 for a point that was reached for the first time.

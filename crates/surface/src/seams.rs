@@ -47,18 +47,13 @@ pub enum Seam {
 
 impl Display for Seam {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let order = |reversed: bool| if reversed { " in reverse order" } else { "" };
         match self {
-            Self::Sides { sides: [a, b], reversed: false } => {
-                write!(f, "its {a} and its {b} coincide")
+            Self::Sides { sides: [a, b], reversed } => {
+                write!(f, "its {a} and its {b} coincide{}", order(*reversed))
             }
-            Self::Sides { sides: [a, b], reversed: true } => {
-                write!(f, "its {a} and its {b} coincide in reverse order")
-            }
-            Self::Neighbours { sides: [a, b], reversed: false } => {
-                write!(f, "its {a} and its {b} are neighbours one cell apart")
-            }
-            Self::Neighbours { sides: [a, b], reversed: true } => {
-                write!(f, "its {a} and its {b} are neighbours one cell apart in reverse order")
+            Self::Neighbours { sides: [a, b], reversed } => {
+                write!(f, "its {a} and its {b} are neighbours one cell apart{}", order(*reversed))
             }
             Self::Fold(side) => write!(f, "the halves of its {side} coincide"),
             Self::Pole { side, exact: true } => write!(f, "its {side} is a single point"),

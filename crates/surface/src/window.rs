@@ -4,7 +4,7 @@ use std::ops::Range;
 use std::sync::OnceLock;
 
 use super::Surface;
-use super::chart::Block;
+use super::chart::{Block, Chart};
 
 impl Surface {
     /// Returns the points of some rows and columns, with their slowness. The part may consist of holes only. The part
@@ -16,18 +16,22 @@ impl Surface {
     ///
     /// # Panics
     /// If the grid does not have these rows and columns, or there are none.
-    #[doc(hidden)]
-    pub fn window(&self, rows: Range<usize>, cols: Range<usize>) -> Self {
-        let (whole, block) = (self.chart, Block { rows, cols });
-        let chart = block.chart();
-        assert!(chart.points() > 0, "no point of a surface");
-        Self {
-            chart,
-            inputs: self.inputs.cut(whole, &block),
-            edge_rule: self.edge_rule,
-            floor: OnceLock::new(),
-            glued: None,
-        }
+    pub(crate) fn window(&self, rows: Range<usize>, cols: Range<usize>) -> Self {
+        assert!(!rows.is_empty() && !cols.is_empty(), "no point of a surface");
+        let chart = Chart { rows: rows.len(), cols: cols.len() };
+        let index = |(row, col)| Some(self.chart.index(row, col));
+        self.part(chart, Block { rows, cols }.places().map(index))
+    }
+
+    /// Returns some points as an open surface with the grid `chart`. Points without an index are holes.
+    pub(super) fn part(
+        &self,
+        chart: Chart,
+        points: impl Iterator<Item = Option<usize>> + Clone,
+    ) -> Self {
+        let inputs = self.inputs.gathered(points);
+        let (edge_rule, floor) = (self.edge_rule, OnceLock::new());
+        Self { chart, inputs, edge_rule, floor, glued: None }
     }
 }
 
@@ -35,7 +39,7 @@ impl Surface {
 mod tests {
     use super::*;
     use crate::builtin::Builtin;
-    use crate::{Chart, Direction, EdgeLengths, MetricTensor, Spacing};
+    use crate::{Direction, EdgeLengths, MetricTensor, Spacing};
 
     /// Margin that covers everything on which a point's update depends.
     const MARGIN: usize = 5;

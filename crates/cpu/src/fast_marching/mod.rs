@@ -5,7 +5,7 @@ mod connections;
 pub use connections::Connections;
 
 use std::cmp::{Ordering, Reverse};
-use std::collections::{BinaryHeap, HashMap, HashSet};
+use std::collections::{BinaryHeap, HashSet};
 
 use super::behind::Behind;
 use super::fronts::{Anchored, FrontOver, Fronts, PointKind, TriangleFronts, TriangleKind};
@@ -13,7 +13,7 @@ use super::limit::Limit;
 use super::points::PointFronts;
 use super::solution::Solution;
 use geosweep_surface::update::{Kept, Triangle, Wavefront};
-use geosweep_surface::{Chart, Direction, EdgeLengths, EdgeSlot, Groups, Offset, Real, Seed};
+use geosweep_surface::{Chart, Direction, EdgeLengths, EdgeSlot, Offset, Real, Seed};
 
 /// Solves by fast marching (Algorithm 1). Points are fixed in the order in which the front reaches them. A
 /// point is updated from fixed points only.
@@ -78,9 +78,10 @@ fn by_triangles<R: Real, K: TriangleKind<R>>(
 ) -> Solution<R> {
     let neighbours = neighbours(edges.chart());
     let mut march = March::start(PointFronts::start(edges, kind, seeds), seeds, limit);
-    let copies = CopiesOf::new(edges);
     while let Some(point) = march.next() {
-        for &x0 in copies.of(point).iter().filter(|&&x0| x0 as usize != point) {
+        // Copies are neighbours at distance 0.
+        let copies = edges.copies().and_then(|groups| groups.around(point)).into_iter().flatten();
+        for &x0 in copies.filter(|&&x0| x0 as usize != point) {
             let arrival = K::Carried::arrival_of_front(march.known(point));
             march.lower(x0 as usize, arrival, K::Carried::time(arrival));
         }
@@ -132,23 +133,6 @@ fn by_anchors<R: Real>(
         }
     }
     march.fronts.finish(1, 0.0)
-}
-
-/// The copies of each point of a glued surface, which are neighbours at distance 0.
-struct CopiesOf<'a> {
-    groups: HashMap<u32, &'a [u32]>,
-}
-
-impl<'a> CopiesOf<'a> {
-    fn new<R: Real>(edges: &'a EdgeLengths<R>) -> Self {
-        let groups = edges.copies().into_iter().flat_map(Groups::iter);
-        let of_group = |group: &'a [u32]| group.iter().map(move |&point| (point, group));
-        Self { groups: groups.flat_map(of_group).collect() }
-    }
-
-    fn of(&self, point: usize) -> &'a [u32] {
-        self.groups.get(&(point as u32)).copied().unwrap_or_default()
-    }
 }
 
 /// The fronts, flags of the fixed points, and the heap of the points that may be fixed next.
@@ -216,9 +200,9 @@ impl<R: Real, K: PointKind<R>> March<R, K> {
 
 /// A point of the front, ordered by arrival time. The index makes the order total.
 #[derive(Clone, Copy, PartialEq)]
-struct Arrival<R> {
-    time: R,
-    point: usize,
+pub(super) struct Arrival<R> {
+    pub(super) time: R,
+    pub(super) point: usize,
 }
 
 impl<R: Real> Eq for Arrival<R> {}

@@ -60,8 +60,7 @@ impl Maps {
         self.pending.start(known.count);
         self.outward = Outward::new(chart, sources);
         for (point, row) in known.rows.chunks_exact(chart.points()).enumerate() {
-            let (at, col) = chart.position(point);
-            let times = &mut self.points[chart.bordered(at, col)].0;
+            let times = &mut self.points[chart.bordered_point(point)].0;
             let found = &row[known.column..][..sources.len()];
             for (time, distance) in times.iter_mut().zip(found) {
                 *time = distance.min(f32::FAR);

@@ -17,6 +17,7 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use super::around::Surroundings;
+use super::sight_lines::origins;
 use geosweep_surface::update::Wavefront;
 use geosweep_surface::{Direction, Origin, Seed, Sources, Surface};
 
@@ -37,7 +38,7 @@ pub(crate) fn around_clusters(
     surface: &Surface,
     seeds: &[Seed],
 ) -> Vec<Seed> {
-    let sources = points(seeds);
+    let sources: Vec<_> = origins(seeds).into_iter().filter(Origin::is_point).collect();
     if !wavefront.is_curved() || sources.len() < 2 {
         return Vec::new();
     }
@@ -52,34 +53,17 @@ pub(crate) fn around_clusters(
         .filter_map(|origin| Alone::new(wavefront, surface, origin, reach, &others))
         .collect();
     let near = Places::of(surface, maps.iter().map(|map| map.at), 2 * reach + 2);
-    let mut earliest = BTreeMap::new();
-    for map in &maps {
+    let found = maps.iter().flat_map(|map| {
         let around = near.around(map.at);
         let are_all = others.is_empty() && around.len() == maps.len();
         // The front of another source has to cross the border of the surroundings first. It cannot reach a
         // point earlier than the source's own front if the latter is at most half-way to the border in time.
         let alone = if are_all { map.complete } else { 0.5 * (map.complete + first) };
         let complete = around.iter().map(|&other| maps[other].complete).fold(alone, f64::min);
-        for seed in &map.seeds {
-            let seed = Seed { exact: seed.exact && seed.time <= complete, ..*seed };
-            let earlier = earliest.entry((seed.row, seed.col)).or_insert(seed);
-            if seed.time < earlier.time {
-                *earlier = seed;
-            }
-        }
-    }
-    earliest.into_values().filter(|seed| seed.exact).collect()
-}
-
-/// Returns the point sources that seeds come from.
-fn points(seeds: &[Seed]) -> Vec<Origin> {
-    let mut found = BTreeMap::new();
-    for origin in seeds.iter().filter_map(|seed| seed.origin) {
-        if origin.is_point() {
-            found.insert(origin.key(), origin);
-        }
-    }
-    found.into_values().collect()
+        let exact = move |seed: &Seed| seed.exact && seed.time <= complete;
+        map.seeds.iter().map(move |seed| Seed { exact: exact(seed), ..*seed })
+    });
+    Seed::earliest(found).into_iter().filter(|seed| seed.exact).collect()
 }
 
 /// Returns the sources from which a front goes out. A source is left out if all neighbouring grid points have

@@ -93,19 +93,7 @@ fn with_surroundings(wavefront: Wavefront, surface: &Surface, seeds: Vec<Seed>) 
         });
         around.collect()
     };
-    earliest(seeds.iter().copied().chain(around))
-}
-
-/// Returns the earliest seed of each point, in row-major order.
-fn earliest(seeds: impl Iterator<Item = Seed>) -> Vec<Seed> {
-    let mut earliest = BTreeMap::new();
-    for seed in seeds {
-        let first = earliest.entry((seed.row, seed.col)).or_insert(seed);
-        if seed.time < first.time {
-            *first = seed;
-        }
-    }
-    earliest.into_values().collect()
+    Seed::earliest(seeds.iter().copied().chain(around))
 }
 
 /// Returns the seeds of [`with_surroundings`], given seeds with their origins. Around sources that lie close together
@@ -122,7 +110,7 @@ fn with_origins(wavefront: Wavefront, surface: &Surface, mut seeds: Vec<Seed>) -
     if !is_lone && wavefront.is_curved() && surface.has_even_cells() {
         let further = along_sight_lines(surface, &seeds);
         let around = with_surroundings(wavefront, surface, seeds);
-        return earliest(around.into_iter().chain(further));
+        return Seed::earliest(around.into_iter().chain(further));
     }
     let exact = around_clusters(wavefront, surface, &seeds);
     let in_long_cells = few_in_long_cells(wavefront, surface, &seeds);
@@ -131,14 +119,14 @@ fn with_origins(wavefront: Wavefront, surface: &Surface, mut seeds: Vec<Seed>) -
     let is_exact: BTreeMap<_, _> =
         exact.iter().map(|seed| ((seed.row, seed.col), seed.time)).collect();
     let mut all = match in_long_cells {
-        Some(around) => earliest(seeds.into_iter().chain(around)),
+        Some(around) => Seed::earliest(seeds.into_iter().chain(around)),
         None => with_surroundings(wavefront, surface, seeds),
     };
     all.retain(|seed| {
         let time = is_exact.get(&(seed.row, seed.col));
         time.is_none_or(|time| seed.time < time - SAME_TIME * time.abs())
     });
-    earliest(all.into_iter().chain(exact))
+    Seed::earliest(all.into_iter().chain(exact))
 }
 
 /// Relative difference below which times count as equal.
@@ -146,15 +134,19 @@ const SAME_TIME: f64 = 1e-7;
 
 /// Returns the seeds that come from points inside cells, grouped by these points.
 fn by_source(seeds: &[Seed]) -> Vec<(DVec2, Vec<Seed>)> {
-    let mut found = BTreeMap::<_, (DVec2, Vec<Seed>)>::new();
-    for seed in seeds {
-        let Some(from) = seed.from else { continue };
+    grouped(seeds.iter().filter_map(|seed| {
         // Around an end of a straight line, the front is that of the whole line.
-        if seed.origin.is_some_and(|origin| !origin.is_point()) {
-            continue;
-        }
+        let is_of_line = seed.origin.is_some_and(|origin| !origin.is_point());
+        seed.from.filter(|_| !is_of_line).map(|from| (from, *seed))
+    }))
+}
+
+/// Returns seeds grouped by the places that are given with them.
+fn grouped(seeds: impl IntoIterator<Item = (DVec2, Seed)>) -> Vec<(DVec2, Vec<Seed>)> {
+    let mut found = BTreeMap::<_, (DVec2, Vec<Seed>)>::new();
+    for (from, seed) in seeds {
         let key = from.to_array().map(f64::to_bits);
-        found.entry(key).or_insert((from, Vec::new())).1.push(*seed);
+        found.entry(key).or_insert((from, Vec::new())).1.push(seed);
     }
     found.into_values().collect()
 }
@@ -208,21 +200,13 @@ fn few_in_long_cells(wavefront: Wavefront, surface: &Surface, seeds: &[Seed]) ->
 
 /// Returns the seeds of point sources, grouped by these points, or `None` if some seeds come from no point.
 fn by_point(seeds: &[Seed]) -> Option<Vec<(DVec2, Vec<Seed>)>> {
-    let mut found = BTreeMap::<_, (DVec2, Vec<Seed>)>::new();
-    for &seed in seeds {
-        if !seed.origin?.is_point() {
-            return None;
-        }
+    let of_point = |seed: &Seed| {
         let from = seed.from.unwrap_or(seed.place());
-        let key = from.to_array().map(f64::to_bits);
-        let group = found.entry(key).or_insert((from, Vec::new()));
         // Cells differ here, so that straight lines of the chart are none of the surface.
-        group.1.push(Seed { from: Some(from), origin: None, ..seed });
-        if found.len() > MOST_IN_LONG_CELLS {
-            return None;
-        }
-    }
-    Some(found.into_values().collect())
+        let unnamed = Seed { from: Some(from), origin: None, ..*seed };
+        seed.origin?.is_point().then_some((from, unnamed))
+    };
+    Some(grouped(seeds.iter().map(of_point).collect::<Option<Vec<_>>>()?))
 }
 
 /// Returns the reach of surroundings in rows and columns, if a cell beside a source is long: as far in space across the

@@ -26,7 +26,7 @@ pub(crate) fn along_sight_lines(surface: &Surface, seeds: &[Seed]) -> Vec<Seed> 
         return Vec::new();
     }
     let is_whole = surface.present().iter().all(|&is| is);
-    let mut earliest: BTreeMap<(usize, usize), Seed> = BTreeMap::new();
+    let mut found = Vec::new();
     for origin in &origins {
         for at in origin.ends {
             let near: Vec<_> =
@@ -41,19 +41,15 @@ pub(crate) fn along_sight_lines(surface: &Surface, seeds: &[Seed]) -> Vec<Seed> 
                     let is_free = is_whole || has_no_hole(surface, place, foot);
                     is_free.then_some(seed)
                 });
-                let Some(first) = first.min_by(|a, b| a.time.total_cmp(&b.time)) else { continue };
-                let seed = earliest.entry(place).or_insert(first);
-                if first.time < seed.time {
-                    *seed = first;
-                }
+                found.extend(first.min_by(|a, b| a.time.total_cmp(&b.time)));
             }
         }
     }
-    earliest.into_values().collect()
+    Seed::earliest(found)
 }
 
 /// Returns the origins that seeds come from.
-fn origins(seeds: &[Seed]) -> Vec<Origin> {
+pub(super) fn origins(seeds: &[Seed]) -> Vec<Origin> {
     let all = seeds.iter().filter_map(|seed| seed.origin).map(|origin| (origin.key(), origin));
     all.collect::<BTreeMap<_, _>>().into_values().collect()
 }

@@ -99,10 +99,7 @@ fn starts(chart: Chart, seeds: &[(Seed, u32)]) -> Vec<Start> {
 /// Returns the row-major indices of the copies of each point that has copies.
 fn copies(edges: &EdgeLengths<f32>) -> Vec<Vec<usize>> {
     let chart = edges.chart();
-    let index = |&point: &u32| {
-        let (row, col) = chart.bordered_position(point as usize);
-        chart.index(row, col)
-    };
+    let index = |&point: &u32| chart.index_of(point as usize);
     let groups = edges.copies().into_iter().flat_map(Groups::iter);
     groups.map(|group| group.iter().map(index).collect()).collect()
 }
@@ -142,10 +139,7 @@ fn begin<K: TriangleKind<f32>>(
     if here >= f32::FAR {
         return (f32::FAR, Link::Nothing, own);
     }
-    let first_copy = |point: usize| {
-        let (row, col) = chart.bordered_position(point);
-        first_copies[chart.index(row, col)]
-    };
+    let first_copy = |point: usize| first_copies[chart.index_of(point)];
     // Ways lead only to earlier points, so that none leads in a circle. Copies of a point are one point, although their
     // times may differ by rounding.
     let own_copy = first_copies[index];

@@ -2,6 +2,8 @@
 
 use nalgebra::DMatrix;
 
+use super::form::centred;
+
 /// The result of moving one set of points as close as possible to another by a rigid motion.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Alignment {
@@ -24,14 +26,7 @@ pub struct Alignment {
 pub fn align(moving: &[f64], fixed: &[f64], dimensions: usize) -> Alignment {
     assert_eq!(moving.len(), fixed.len(), "both forms must have the same number of points");
     assert_eq!(fixed.len() % dimensions, 0, "a whole number of points");
-    let points = fixed.len() / dimensions;
-    let centred = |coordinates: &[f64]| {
-        let mut form = DMatrix::from_row_slice(points, dimensions, coordinates);
-        let mean = form.row_mean();
-        form.row_iter_mut().for_each(|mut point| point -= &mean);
-        (form, mean)
-    };
-    let ((moving, _), (fixed, middle)) = (centred(moving), centred(fixed));
+    let [(moving, _), (fixed, middle)] = [moving, fixed].map(|form| centred(dimensions, form));
     let decomposition = moving.tr_mul(&fixed).svd(true, true);
     let (left, right) = (decomposition.u, decomposition.v_t);
     let turn = left

@@ -20,12 +20,19 @@ impl Distances {
     /// from another), or not zero on the diagonal; if the largest distance is zero or outside [`EXTENT`]; or
     /// if the two distances of a pair of points differ by more than [`ASYMMETRY`] times the largest distance.
     pub fn new(points: usize, values: Vec<f32>) -> Result<Self, CanonicalError> {
-        if points.checked_mul(points) != Some(values.len()) {
-            return Err(CanonicalError::NotSquare { values: values.len(), points });
-        }
-        let largest = check(points, &values)?;
+        check_square(points, &values)?;
+        Self::numbered(points, values, |point| point)
+    }
+
+    /// Checks and symmetrises a square matrix. In errors, points have the numbers that `number` gives them.
+    fn numbered(
+        points: usize,
+        values: Vec<f32>,
+        number: impl Fn(usize) -> usize + Sync,
+    ) -> Result<Self, CanonicalError> {
+        let largest = check(points, &values, &number)?;
         let mut distances = Self { points, values };
-        distances.symmetrise(ASYMMETRY * largest)?;
+        distances.symmetrise(ASYMMETRY * largest, number)?;
         Ok(distances)
     }
 
@@ -41,9 +48,7 @@ impl Distances {
         points: usize,
         values: Vec<f32>,
     ) -> Result<(Self, Vec<usize>), CanonicalError> {
-        if points.checked_mul(points) != Some(values.len()) {
-            return Err(CanonicalError::NotSquare { values: values.len(), points });
-        }
+        check_square(points, &values)?;
         let kept = largest_piece(points, &values);
         if kept.len() == points {
             return Ok((Self::new(points, values)?, kept));
@@ -52,8 +57,8 @@ impl Distances {
             let row = &values[from * points..][..points];
             kept.iter().map(|&to| row[to])
         });
-        let piece = Self::new(kept.len(), rows.collect());
-        Ok((piece.map_err(|error| error.renumbered(&kept))?, kept))
+        let piece = Self::numbered(kept.len(), rows.collect(), |point| kept[point])?;
+        Ok((piece, kept))
     }
 
     /// Returns the number of points, n.
@@ -71,7 +76,11 @@ impl Distances {
 
     /// Replaces both triangles of the matrix by their mean, tile by tile, so that rows and columns stay in
     /// the cache.
-    fn symmetrise(&mut self, tolerance: f32) -> Result<(), CanonicalError> {
+    fn symmetrise(
+        &mut self,
+        tolerance: f32,
+        number: impl Fn(usize) -> usize,
+    ) -> Result<(), CanonicalError> {
         const TILE: usize = 64;
         let points = self.points;
         let tiles = || (0..points).step_by(TILE).map(|start| start..(start + TILE).min(points));
@@ -82,12 +91,8 @@ impl Distances {
                         let (there, back) =
                             (self.values[col * points + row], self.values[row * points + col]);
                         if (there - back).abs() > tolerance {
-                            return Err(CanonicalError::Asymmetric {
-                                from: col,
-                                to: row,
-                                there,
-                                back,
-                            });
+                            let (from, to) = (number(col), number(row));
+                            return Err(CanonicalError::Asymmetric { from, to, there, back });
                         }
                         let mean = 0.5 * (there + back);
                         self.values[col * points + row] = mean;
@@ -100,24 +105,32 @@ impl Distances {
     }
 }
 
+fn check_square(points: usize, values: &[f32]) -> Result<(), CanonicalError> {
+    let is_square = points.checked_mul(points) == Some(values.len());
+    is_square.then_some(()).ok_or(CanonicalError::NotSquare { values: values.len(), points })
+}
+
 /// Returns the largest distance, or an error if a distance is not usable.
-fn check(points: usize, values: &[f32]) -> Result<f32, CanonicalError> {
+fn check(
+    points: usize,
+    values: &[f32],
+    number: impl Fn(usize) -> usize + Sync,
+) -> Result<f32, CanonicalError> {
     let row = |(from, row): (usize, &[f32])| {
         let mut largest = 0.0f32;
         for (to, &distance) in row.iter().enumerate() {
-            if distance.is_nan() {
-                return Err(CanonicalError::NotANumber { from, to });
+            let is_finite = (0.0..f32::INFINITY).contains(&distance);
+            if is_finite && (from != to || distance == 0.0) {
+                largest = largest.max(distance);
+                continue;
             }
-            if distance < 0.0 {
-                return Err(CanonicalError::Negative { from, to, distance });
-            }
-            if from == to && distance != 0.0 {
-                return Err(CanonicalError::Diagonal { point: from, distance });
-            }
-            if distance == f32::INFINITY {
-                return Err(CanonicalError::Unreachable { from, to });
-            }
-            largest = largest.max(distance);
+            let [from, to] = [from, to].map(&number);
+            return Err(match distance {
+                _ if distance.is_nan() => CanonicalError::NotANumber { from, to },
+                _ if distance < 0.0 => CanonicalError::Negative { from, to, distance },
+                _ if from == to => CanonicalError::Diagonal { point: from, distance },
+                _ => CanonicalError::Unreachable { from, to },
+            });
         }
         Ok(largest)
     };
@@ -153,25 +166,6 @@ fn largest_piece(points: usize, values: &[f32]) -> Vec<usize> {
         largest.retain(|_| values[only * points + only] != f32::INFINITY);
     }
     largest
-}
-
-impl CanonicalError {
-    /// Replaces the indices within a piece by the indices in the whole matrix. `kept` holds the index in the
-    /// whole matrix of each point of the piece.
-    fn renumbered(self, kept: &[usize]) -> Self {
-        match self {
-            Self::NotANumber { from, to } => Self::NotANumber { from: kept[from], to: kept[to] },
-            Self::Negative { from, to, distance } => {
-                Self::Negative { from: kept[from], to: kept[to], distance }
-            }
-            Self::Diagonal { point, distance } => Self::Diagonal { point: kept[point], distance },
-            Self::Asymmetric { from, to, there, back } => {
-                Self::Asymmetric { from: kept[from], to: kept[to], there, back }
-            }
-            Self::Unreachable { from, to } => Self::Unreachable { from: kept[from], to: kept[to] },
-            other => other,
-        }
-    }
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! Holds a canonical form and measures how well it fits.
 
-use nalgebra::{DMatrix, SymmetricEigen};
+use nalgebra::{DMatrix, RowDVector, SymmetricEigen};
 
 /// Points in Euclidean space whose straight-line distances approximate given distances.
 #[derive(Clone, Debug, PartialEq)]
@@ -55,10 +55,16 @@ impl CanonicalForm {
     }
 }
 
-fn along_principal_axes(dimensions: usize, coordinates: &[f64]) -> Vec<f64> {
+/// Returns points relative to their mean, one per row, and the mean.
+pub(super) fn centred(dimensions: usize, coordinates: &[f64]) -> (DMatrix<f64>, RowDVector<f64>) {
     let mut form = DMatrix::from_row_slice(coordinates.len() / dimensions, dimensions, coordinates);
     let mean = form.row_mean();
     form.row_iter_mut().for_each(|mut point| point -= &mean);
+    (form, mean)
+}
+
+fn along_principal_axes(dimensions: usize, coordinates: &[f64]) -> Vec<f64> {
+    let (form, _) = centred(dimensions, coordinates);
     let axes = SymmetricEigen::new(form.tr_mul(&form));
     let mut order: Vec<usize> = (0..dimensions).collect();
     order.sort_by(|&a, &b| axes.eigenvalues[b].total_cmp(&axes.eigenvalues[a]));

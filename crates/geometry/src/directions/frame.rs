@@ -32,14 +32,13 @@ impl Frame {
 
     /// Returns the frame at a place of the surface, given as fractional row and column.
     pub(super) fn at(surface: &Surface, at: DVec2) -> Self {
-        let low = |at: f64, points: usize| (at as usize).min(points.saturating_sub(2));
-        let corner = [low(at.x, surface.rows()), low(at.y, surface.cols())];
-        let share = [at.x - corner[0] as f64, at.y - corner[1] as f64];
-        if share == [0.0; 2] {
-            return Self::at_point(surface, corner[0], corner[1]);
+        let cell = surface.chart().cell_at(at);
+        if cell.inside(at) == DVec2::ZERO {
+            let (row, col) = cell.north_west();
+            return Self::at_point(surface, row, col);
         }
         let mut sum = [0.0; 9];
-        for (row, col, weight) in weights(surface, corner, share) {
+        for (row, col, weight) in weights(surface, cell, at) {
             let numbers = Self::at_point(surface, row, col).numbers();
             sum = std::array::from_fn(|k| sum[k] + weight * numbers[k]);
         }
@@ -93,10 +92,7 @@ impl Frame {
 /// Returns the position in space of a place of the surface, given as fractional row and column. Returns `None` if the
 /// surface is given by its metric.
 pub(super) fn position(surface: &Surface, at: DVec2) -> Option<DVec3> {
-    let low = |at: f64, points: usize| (at as usize).min(points.saturating_sub(2));
-    let corner = [low(at.x, surface.rows()), low(at.y, surface.cols())];
-    let share = [at.x - corner[0] as f64, at.y - corner[1] as f64];
-    let points = weights(surface, corner, share).into_iter();
+    let points = weights(surface, surface.chart().cell_at(at), at).into_iter();
     points.map(|(row, col, weight)| Some(surface.position(row, col)? * weight)).sum()
 }
 
@@ -145,26 +141,23 @@ const AT_END: [f64; 6] = [0.0, -25.0 / 12.0, 4.0, -3.0, 4.0 / 3.0, -0.25];
 
 /// Returns grid points around a place of a cell with their weights: sixteen, if they all are on the surface,
 /// or the corners of the cell.
-fn weights(
-    surface: &Surface,
-    [row, col]: [usize; 2],
-    [v, u]: [f64; 2],
-) -> Vec<(usize, usize, f64)> {
+fn weights(surface: &Surface, cell: Cell, at: DVec2) -> Vec<(usize, usize, f64)> {
     let lines = |first: usize, share: f64| -> Vec<(Option<usize>, f64)> {
         let line = |k: usize| (first + k).checked_sub(1);
         let weights = if share == 0.0 { [0.0, 1.0, 0.0, 0.0] } else { cubic(share) };
         (0..4).filter(|&k| weights[k] != 0.0).map(|k| (line(k), weights[k])).collect()
     };
-    let (rows, cols) = (lines(row, v), lines(col, u));
+    let ((row, col), inside) = (cell.north_west(), cell.inside(at));
+    let (rows, cols) = (lines(row, inside.x), lines(col, inside.y));
     let product = rows
         .iter()
         .flat_map(|&(row, a)| cols.iter().map(move |&(col, b)| Some((row?, col?, a * b))));
     let on_surface = |&(row, col, _): &(usize, usize, f64)| surface.has(row, col);
     let sixteen: Option<Vec<_>> = product.map(|point| point.filter(on_surface)).collect();
     sixteen.unwrap_or_else(|| {
-        let corners = Cell::of((row, col)).corners();
+        let corners = cell.corners();
         let there = corners.map(|(row, col)| surface.has(row, col));
-        let weights = corner_weights(there, DVec2::new(v, u)).unwrap_or([0.25; 4]);
+        let weights = corner_weights(there, inside).unwrap_or([0.25; 4]);
         let corners = corners.into_iter().zip(weights).zip(there);
         corners.filter(|(_, there)| *there).map(|(((row, col), w), _)| (row, col, w)).collect()
     })

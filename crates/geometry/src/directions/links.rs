@@ -137,14 +137,12 @@ impl Links<'_> {
     }
 
     fn point(&self, index: usize) -> usize {
-        let (row, col) = self.surface.chart().position(index);
-        self.surface.chart().bordered(row, col)
+        self.surface.chart().bordered_point(index)
     }
 
     /// Returns the row-major index of a point.
     fn index(&self, point: usize) -> usize {
-        let (row, col) = self.surface.chart().bordered_position(point);
-        self.surface.chart().index(row, col)
+        self.surface.chart().index_of(point)
     }
 
     /// Links the points without a link, and the points whose walks end at such points, to points from which walks

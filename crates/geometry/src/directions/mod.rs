@@ -18,7 +18,6 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 use super::copies::Copies;
-use super::order::bordered;
 use super::{MapError, PathError, PathTracer};
 pub use bearing::NO_BEARING;
 use bearing::{compass, east_and_north, grass};
@@ -91,8 +90,7 @@ impl<'a> BackDirections<'a> {
     ) -> Result<Self, MapError> {
         surface.check_directions("the search for directions")?;
         let paths = tracer(surface, edges, sources, distances)?;
-        let (copies, mut times) = (Copies::new(edges), bordered(surface.chart(), distances)?);
-        copies.share_earliest(&mut times);
+        let (copies, times) = Copies::with_times(edges, distances)?;
         let (ways, at_poles) =
             Ways { surface, paths: &paths, copies: &copies, times: &times, sources }.find();
         Ok(Self { surface, paths, copies, times, ways, at_poles })

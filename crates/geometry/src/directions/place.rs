@@ -79,9 +79,8 @@ impl LogMap {
 
     /// Returns the coordinates at a place, and their derivatives by row and column.
     fn interpolated(&self, label: u32, at: DVec2) -> Option<(DVec2, DMat2)> {
-        let low = |at: f64, points: usize| (at as usize).min(points.saturating_sub(2));
-        let (row, col) = (low(at.x, self.chart.rows), low(at.y, self.chart.cols));
-        let [v, u] = [at.x - row as f64, at.y - col as f64];
+        let cell = self.chart.cell_at(at);
+        let ((row, col), DVec2 { x: v, y: u }) = (cell.north_west(), cell.inside(at));
         let (rows, cols) = (weights(v), weights(u));
         let value = |i: usize, j: usize| self.value(label, [row + i, col + j]);
         let sum = |count: std::ops::Range<usize>, rows: [[f64; 4]; 2], cols: [[f64; 4]; 2]| {

@@ -66,8 +66,7 @@ impl Ways<'_> {
         });
         let zero_times = self.zero_times(&lines, start);
         let way = |index: usize| {
-            let (row, col) = chart.position(index);
-            let point = chart.bordered(row, col);
+            let point = chart.bordered_point(index);
             if !self.is_reached(point) || self.copies.first(point) != point {
                 return (point, Way::Unreached);
             }
@@ -185,17 +184,12 @@ impl Ways<'_> {
 
     /// Returns the row-major index of a point.
     fn index(&self, point: usize) -> usize {
-        let (row, col) = self.surface.chart().bordered_position(point);
-        self.surface.chart().index(row, col)
+        self.surface.chart().index_of(point)
     }
 
     fn at_points<T: Send>(&self, of: impl Fn(usize) -> T + Sync) -> Vec<T> {
         let chart = self.surface.chart();
-        let at = |index| {
-            let (row, col) = chart.position(index);
-            of(chart.bordered(row, col))
-        };
-        (0..chart.points()).into_par_iter().map(at).collect()
+        (0..chart.points()).into_par_iter().map(|index| of(chart.bordered_point(index))).collect()
     }
 
     fn is_reached(&self, point: usize) -> bool {
@@ -216,10 +210,7 @@ impl Ways<'_> {
     fn zero_times(&self, lines: &[Option<FirstLine>], start: f64) -> Option<Vec<f64>> {
         let chart = self.surface.chart();
         let initials: Vec<f64> = self.sources.iter().map(|source| source.initial()).collect();
-        let is_corner = |index| {
-            let (row, col) = chart.position(index);
-            self.paths.is_corner(chart.bordered(row, col))
-        };
+        let is_corner = |index| self.paths.is_corner(chart.bordered_point(index));
         if initials.iter().all(|&initial| initial == start) && !(0..chart.points()).any(is_corner) {
             return None;
         }

@@ -18,7 +18,7 @@ use super::line::{Line, turned};
 use crate::MapError;
 use crate::copies::Copies;
 use crate::neighbourhood::Neighbourhood;
-use crate::order::{bordered, by_arrival};
+use crate::order::by_arrival;
 use geosweep_surface::{EdgeLengths, Real, Source, Sources, Surface, ring};
 
 /// The angle at each point.
@@ -48,9 +48,7 @@ impl<'a> Sides<'a> {
         sources: &Sources,
         distances: &[f32],
     ) -> Result<Self, MapError> {
-        let mut times = bordered(edges.chart(), distances)?;
-        let copies = Copies::new(edges);
-        copies.share_earliest(&mut times);
+        let (copies, times) = Copies::with_times(edges, distances)?;
         let order = by_arrival(&times);
         let angles = vec![Vec2::NAN; times.len()];
         let mut sides = Self {

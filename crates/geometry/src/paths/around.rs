@@ -15,7 +15,7 @@ use glam::DVec2;
 
 use super::corners::Corners;
 use super::goals::Goals;
-use super::linked_path::{SharedParts, Trace};
+use super::linked_path::{LinkedPath, SharedParts};
 use super::place::Place;
 use super::seams::SourcePart;
 use super::tracer::Tracer;
@@ -51,8 +51,8 @@ fn beside(block: &Block, at: DVec2) -> impl Iterator<Item = DVec2> {
 pub struct Way {
     at: DVec2,
     /// The path from `at` back to the start, in the window.
-    first: Trace,
-    rest: Trace,
+    first: LinkedPath,
+    rest: LinkedPath,
 }
 
 impl Way {
@@ -61,7 +61,7 @@ impl Way {
     }
 }
 
-impl Trace {
+impl LinkedPath {
     /// Returns the arrival time at the start along this path.
     fn arrival(&self) -> f64 {
         self.initial + self.length
@@ -74,11 +74,11 @@ impl Trace {
 
 impl Tracer<'_> {
     /// Returns `trace`, or a shorter path from the same start if `trace` is longer than the map's value.
-    pub(super) fn shortest(&self, trace: Trace) -> Trace {
+    pub(super) fn shortest(&self, trace: LinkedPath) -> LinkedPath {
         if !trace.is_too_long() {
             return trace;
         }
-        match self.around(&trace).map(|other| self.taut(other.into()).trace()) {
+        match self.around(&trace).map(|other| self.taut(other).whole()) {
             Some(other) if other.arrival() < trace.arrival() => other,
             _ => trace,
         }
@@ -86,7 +86,7 @@ impl Tracer<'_> {
 
     /// Returns the shortest path that crosses the rim of a window around the start of `trace`. Returns `None`
     /// if the source lies in the window.
-    fn around(&self, trace: &Trace) -> Option<Trace> {
+    fn around(&self, trace: &LinkedPath) -> Option<LinkedPath> {
         let (&start, &end) = (trace.vertices.first()?, trace.vertices.last()?);
         let chart = self.chart();
         let window = chart.around_place(start, REACH);
@@ -114,7 +114,7 @@ impl Tracer<'_> {
         };
         // The start within the window is skipped, since the caller's start is exact.
         let back = first.vertices.iter().rev().skip(1).map(|&vertex| vertex + window.origin());
-        Some(Trace {
+        Some(LinkedPath {
             vertices: once(start).chain(back).chain(rest.vertices.into_iter().skip(1)).collect(),
             length: first.length + rest.length,
             time: trace.time,
@@ -193,12 +193,13 @@ mod tests {
         let map: Vec<_> = map.into_iter().map(|distance| distance as f32).collect();
         let paths = PathTracer::new(&surface, &edges, &sources, &map).unwrap();
         let exact = start.distance(source) / (POINTS - 1) as f64;
-        let trace = |length| Trace {
+        let trace = |length| LinkedPath {
             vertices: vec![start, source],
             time: exact,
             length,
             source: 0,
             initial: 0.0,
+            rest: None,
         };
         let kept = paths.tracer.shortest(trace((1.0 + 0.9 * TOO_LONG) * exact));
         assert_eq!(kept.vertices, [start, source]);

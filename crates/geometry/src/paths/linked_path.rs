@@ -7,17 +7,6 @@ use glam::DVec2;
 
 use super::place::Stuck;
 
-/// A complete path, with its vertices from the start to the source.
-pub(super) struct Trace {
-    pub vertices: Vec<DVec2>,
-    /// The arrival time at the start.
-    pub time: f64,
-    pub length: f64,
-    pub source: usize,
-    /// The initial value of the source.
-    pub initial: f64,
-}
-
 /// A path to its source. Its last part may be shared with other paths.
 #[derive(Clone, Debug)]
 pub(super) struct LinkedPath {
@@ -70,20 +59,14 @@ impl Key {
 }
 
 impl LinkedPath {
-    /// Returns the path with the vertices of its shared parts appended.
-    pub(super) fn trace(self) -> Trace {
-        let Self { mut vertices, time, length, source, initial, rest } = self;
+    /// Returns the path with the vertices of its shared parts appended, which no longer has a shared part.
+    pub(super) fn whole(mut self) -> Self {
+        let rest = self.rest.take();
         let shared_parts = || std::iter::successors(rest.as_deref(), |rest| rest.rest.as_deref());
-        vertices.reserve_exact(shared_parts().map(|rest| rest.vertices.len() - 1).sum());
+        self.vertices.reserve_exact(shared_parts().map(|rest| rest.vertices.len() - 1).sum());
         for rest in shared_parts() {
-            vertices.extend_from_slice(&rest.vertices[1..]);
+            self.vertices.extend_from_slice(&rest.vertices[1..]);
         }
-        Trace { vertices, time, length, source, initial }
-    }
-}
-
-impl From<Trace> for LinkedPath {
-    fn from(Trace { vertices, time, length, source, initial }: Trace) -> Self {
-        Self { vertices, time, length, source, initial, rest: None }
+        self
     }
 }

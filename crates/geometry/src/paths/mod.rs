@@ -43,7 +43,7 @@ pub(super) use first_line::{FirstLine, LineEnd};
 use geosweep_surface::shown::exact;
 use geosweep_surface::{Chart, EdgeLengths, Source, SourceError, Sources, Surface};
 use goals::Goals;
-use linked_path::{SharedParts, Trace};
+use linked_path::{LinkedPath, SharedParts};
 use place::Stuck;
 use seams::parts_of_source;
 use tracer::Tracer;
@@ -268,7 +268,7 @@ impl<'a> PathTracer<'a> {
                     lost_col: at.y,
                 })?;
                 let trace = if self.tracer.shortens { self.tracer.shortest(trace) } else { trace };
-                let Trace { vertices, time, length, source, .. } = trace;
+                let LinkedPath { vertices, time, length, source, .. } = trace;
                 let vertices = vertices.into_iter().map(|at| at.to_array()).collect();
                 let curve = Curve { vertices, closed: false };
                 Ok(Path { curve, distance: time, length, source })

@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use glam::DVec2;
 
-use super::linked_path::{Key, LinkedPath, Trace};
+use super::linked_path::{Key, LinkedPath};
 use super::place::{Place, Stuck};
 use super::tracer::Tracer;
 use super::walk::{Head, HeadEnd};
@@ -27,7 +27,7 @@ fn corner((head, zero_time): (&Result<Head, Stuck>, f64)) -> Option<Key> {
 impl Tracer<'_> {
     /// Traces the paths from some places to their sources, and pulls them taut if `shortens` is set. Each
     /// result is the same as if the path were traced alone.
-    pub(super) fn traces(&self, starts: &[DVec2]) -> Vec<Result<Trace, Stuck>> {
+    pub(super) fn traces(&self, starts: &[DVec2]) -> Vec<Result<LinkedPath, Stuck>> {
         let walks: Vec<_> = starts.iter().map(|&start| (start, self.start)).collect();
         let mut linked_paths = self.linked_paths(&walks);
         // Squared times are smooth at a source if the source's own initial value is subtracted before squaring. The
@@ -44,7 +44,7 @@ impl Tracer<'_> {
                 linked_paths[number] = again;
             }
         }
-        linked_paths.into_iter().map(|linked| linked.map(LinkedPath::trace)).collect()
+        linked_paths.into_iter().map(|linked| linked.map(LinkedPath::whole)).collect()
     }
 
     /// Traces the paths from some places. Each walk is given by its start and the time that is subtracted before times

@@ -11,7 +11,6 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use super::chains::ways;
-use super::order::bordered;
 use super::{Curve, MapError};
 use geosweep_surface::{Chart, Edge, EdgeLengths};
 use kink::Segment;
@@ -85,7 +84,7 @@ pub fn ridges(
     least_angle: f64,
 ) -> Result<Vec<Ridge>, MapError> {
     let chart = edges.chart();
-    let rays = ArrivingRays::new(edges, bordered(chart, distances)?);
+    let rays = ArrivingRays::new(edges, distances)?;
     let cosine = (WEAK * least_angle).to_radians().cos();
     let rows = chart.rows_of_cells().into_par_iter();
     let found: Vec<Segment> = rows.flat_map_iter(|row| rays.march(row, cosine)).collect();

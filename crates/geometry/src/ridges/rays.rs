@@ -5,6 +5,7 @@ use rayon::prelude::*;
 
 use super::fans::Fans;
 use super::kink::{AtEnds, Kink, Segment};
+use crate::MapError;
 use crate::copies::Copies;
 use crate::neighbourhood::Neighbourhood;
 use geosweep_surface::{Chart, Direction, Edge, EdgeLengths, Real, ring, triangles};
@@ -58,10 +59,10 @@ impl Point {
 }
 
 impl<'a> ArrivingRays<'a> {
-    /// Finds the directions of first arrivals in a map, which is given in a bordered array.
-    pub(super) fn new(edges: &'a EdgeLengths<f32>, mut times: Vec<f32>) -> Self {
-        let (neighbourhood, copies) = (Neighbourhood::new(edges), Copies::new(edges));
-        copies.share_earliest(&mut times);
+    /// Finds the directions of first arrivals in a map.
+    pub(super) fn new(edges: &'a EdgeLengths<f32>, distances: &[f32]) -> Result<Self, MapError> {
+        let (copies, times) = Copies::with_times(edges, distances)?;
+        let neighbourhood = Neighbourhood::new(edges);
         let start = f64::from(times.par_iter().copied().reduce(|| f32::FAR, f32::min));
         let arrivals = Arrivals::InMetric(Vec::new());
         let mut rays = Self { neighbourhood, copies, times, start, arrivals };
@@ -72,7 +73,7 @@ impl<'a> ArrivingRays<'a> {
             let first = |point| rays.first_ray(point);
             Arrivals::InFans(Fans::new(&rays.neighbourhood, &rays.copies, first))
         };
-        rays
+        Ok(rays)
     }
 
     fn is_reached(&self, point: usize) -> bool {
@@ -158,8 +159,7 @@ impl<'a> ArrivingRays<'a> {
     fn node(&self, ends: [Point; 2], share: f64) -> u64 {
         let chart = self.neighbourhood.chart();
         let at_point = |point: Point| {
-            let (row, col) = chart.bordered_position(self.copies.first(point.index));
-            Edge::end(chart) + 3 * chart.index(row, col) as u64
+            Edge::end(chart) + 3 * chart.index_of(self.copies.first(point.index)) as u64
         };
         match share {
             0.0 => at_point(ends[0]),

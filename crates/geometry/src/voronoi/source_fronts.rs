@@ -22,7 +22,6 @@ use super::starts::{first_labels, starts};
 use crate::MapError;
 use crate::copies::Copies;
 use crate::neighbourhood::Neighbourhood;
-use crate::order::bordered;
 use geosweep_surface::{Chart, EdgeLengths, Real, Sources, Surface, max, min, ring};
 
 /// A wavefront that may reach a point.
@@ -74,10 +73,8 @@ impl<'a> SourceFronts<'a> {
         sources: &Sources,
         distances: &[f32],
     ) -> Result<Self, MapError> {
-        let mut times = bordered(edges.chart(), distances)?;
+        let (copies, times) = Copies::with_times(edges, distances)?;
         let neighbourhood = Neighbourhood::new(edges);
-        let copies = Copies::new(edges);
-        copies.share_earliest(&mut times);
         let starts = starts(edges.chart(), &copies, surface, sources)?;
         let guess = Guess::new(&neighbourhood, &copies, &times, &first_labels(&starts));
         let mut known = KnownFronts::guessed(copies, times, guess.labels);
@@ -341,8 +338,7 @@ impl<'a> SourceFronts<'a> {
     /// Returns the squared time at which a wavefront arrives at a grid point, counted from the earliest
     /// start, if the wavefront is known there. Differences of squared times are linear in the plane.
     pub(super) fn squared(&self, index: usize, label: u32) -> Option<f64> {
-        let (row, col) = self.chart().position(index);
-        let time = self.known.time(self.chart().bordered(row, col), label);
+        let time = self.known.time(self.chart().bordered_point(index), label);
         (time < f64::FAR).then(|| self.square(time))
     }
 
@@ -358,9 +354,8 @@ impl<'a> SourceFronts<'a> {
     /// Returns the squared time of the second wavefront minus that of the first at a grid point, if both are
     /// known there.
     fn lead(&self, index: usize, labels: [u32; 2]) -> Option<f64> {
-        let (row, col) = self.chart().position(index);
         let mut times = [f64::FAR; 2];
-        for (label, time) in self.known.at(self.chart().bordered(row, col)) {
+        for (label, time) in self.known.at(self.chart().bordered_point(index)) {
             let known = labels.iter().zip(&mut times).filter(|(known, _)| **known == label);
             known.for_each(|(_, known)| *known = time);
         }

@@ -65,7 +65,7 @@ impl GridFrame {
 
     /// Lets places lie beyond the grid's points. `margins` are numbers of rows before the first and after the last row,
     /// and the same for columns. A surface extends beyond its grid's points if these are the middles of cells
-    /// ([`geosweep_surface::GeodeticGrid::margins`]).
+    /// ([`geosweep_surface::CompletedGrid::margins`]).
     pub fn with_margins(self, margins: [[f64; 2]; 2]) -> Self {
         Self { margins, ..self }
     }

@@ -37,9 +37,7 @@ impl Block {
     }
 
     /// Returns row and column of the block's points, row by row.
-    #[doc(hidden)]
-    #[inline]
-    pub fn places(&self) -> impl Iterator<Item = (usize, usize)> + use<> {
+    pub(crate) fn places(&self) -> impl Iterator<Item = (usize, usize)> + Clone + use<> {
         let Self { rows, cols } = self.clone();
         rows.flat_map(move |row| cols.clone().map(move |col| (row, col)))
     }
@@ -63,13 +61,6 @@ impl Block {
     #[inline]
     pub fn local(&self, (row, col): (usize, usize)) -> (usize, usize) {
         (row - self.rows.start, col - self.cols.start)
-    }
-
-    /// Returns the values of the block's points from an array of the whole `chart`.
-    #[inline]
-    pub(crate) fn cut<T: Copy>(&self, chart: Chart, whole: &[T]) -> Vec<T> {
-        let row = |row| &whole[chart.index(row, self.cols.start)..][..self.cols.len()];
-        self.rows.clone().flat_map(row).copied().collect()
     }
 
     /// Returns the points of the block beyond which the `chart` continues outside the block.
@@ -133,14 +124,6 @@ mod tests {
         assert!(between.holds(DVec2::new(0.0, 2.5)) && !between.holds(DVec2::new(0.0, 1.5)));
         assert_eq!(between.local((3, 4)), (3, 2));
         assert_eq!(CHART.around_place(DVec2::new(9.0, 3.0), 1).places().count(), 0);
-    }
-
-    #[test]
-    fn blocks_cut_their_values_row_by_row() {
-        let values: Vec<_> = (0..CHART.points()).collect();
-        let block = CHART.around((1, 5), 1);
-        let places = block.places().map(|(row, col)| CHART.index(row, col));
-        assert!(places.eq(block.cut(CHART, &values)));
     }
 
     #[test]

@@ -53,6 +53,13 @@ impl Chart {
         firsts(row, self.rows).flat_map(move |row| cols.clone().map(move |col| (row, col)))
     }
 
+    /// Returns the cell that contains a place of the chart: the one to the south-east of a grid point, or the last one
+    /// before the end of the grid.
+    pub(crate) fn cell_at(self, at: DVec2) -> Cell {
+        let low = |at: f64, points: usize| (at as usize).min(points.saturating_sub(2));
+        Cell::of((low(at.x, self.rows), low(at.y, self.cols)))
+    }
+
     /// Returns the cells that contain a place of the chart: one for a place inside a cell, two for a place on
     /// an edge. A grid point is returned as a cell of its own, since its neighbours' first update is already
     /// exact.

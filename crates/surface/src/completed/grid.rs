@@ -105,7 +105,7 @@ impl CompletedGrid {
         for added in &self.added {
             added.at.iter().for_each(|&at| points[at] = added.copied());
         }
-        let mut inputs = surface.inputs.gathered(&points);
+        let mut inputs = surface.inputs.gathered(points.into_iter());
         self.place_middles(surface, &mut inputs);
         let (edge_rule, floor) = (surface.edge_rule, OnceLock::new());
         Surface { chart, inputs, edge_rule, floor, glued: None }.with_gluing(self.gluing.clone())
@@ -192,15 +192,9 @@ impl CompletedGrid {
 
     /// Returns the row and column on the completed grid of a place on the given grid, which may lie beyond it by up
     /// to [`Self::margins`]. Returns `None` if the surface does not have the place.
-    pub fn to_completed(&self, place: [f64; 2]) -> Option<[f64; 2]> {
-        let [row, col] = place;
-        (self.rows.holds(row) && self.cols.holds(col)).then(|| self.nearest(place))
-    }
-
-    /// Returns the row and column on the completed grid of a place on the given grid. A place off the surface is moved to
-    /// its nearest end.
-    pub(crate) fn nearest(&self, [row, col]: [f64; 2]) -> [f64; 2] {
-        [self.rows.to_completed(row), self.cols.to_completed(col)]
+    pub fn to_completed(&self, [row, col]: [f64; 2]) -> Option<[f64; 2]> {
+        (self.rows.holds(row) && self.cols.holds(col))
+            .then(|| [self.rows.to_completed(row), self.cols.to_completed(col)])
     }
 
     /// Returns the row and column on the given grid of a place on the completed grid: the inverse of

@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use super::super::gluing::compile::pairs_of;
 use super::super::seams::Rim;
 use super::super::{Geometry, GluingError, GridSide, MetricTensor, Seam, Surface};
 
@@ -82,14 +83,9 @@ fn continued(surface: &Surface, sides: [GridSide; 2], reversed: bool) -> Result<
 
 /// Returns the indices of points of the two sides that lie opposite each other, where both are present.
 fn pairs(surface: &Surface, sides: [GridSide; 2], reversed: bool) -> Vec<[usize; 2]> {
-    let chart = surface.chart();
-    let [first, mut last] = sides
-        .map(|side| side.places(chart).map(|(row, col)| chart.index(row, col)).collect::<Vec<_>>());
-    if reversed {
-        last.reverse();
-    }
-    let pairs = first.into_iter().zip(last).map(|(a, b)| [a, b]);
-    pairs.filter(|pair| pair.iter().all(|&index| surface.present()[index])).collect()
+    let pairs = pairs_of(surface.chart(), &Seam::Sides { sides, reversed }).unwrap_or_default();
+    let are_present = |pair: &[usize; 2]| pair.iter().all(|&index| surface.present()[index]);
+    pairs.into_iter().filter(are_present).collect()
 }
 
 /// Returns whether `numbers` agrees at all pairs of points of two sides.

@@ -12,14 +12,12 @@ mod space;
 mod values;
 
 pub use metric::MetricTensor;
-#[doc(hidden)]
-pub use sample::Sample;
-pub(super) use space::{InSpace, Point, Space};
+pub(crate) use sample::Sample;
+pub(super) use space::{Heights, Metric, Point, Positions, Space};
 pub use values::Values;
 
 use glam::{DVec2, DVec3};
 
-use super::chart::Block;
 use super::{Chart, SurfaceError};
 use metric_scale::jumps_in_scale;
 
@@ -181,47 +179,14 @@ impl Geometry {
         }
     }
 
-    /// Returns the geometry of the points of a block.
-    pub(crate) fn cut(&self, chart: Chart, block: &Block) -> Self {
-        match self {
-            Self::Positions(positions) => Self::Positions(block.cut(chart, positions).into()),
-            Self::Heights { heights, spacing } => {
-                Self::Heights { heights: block.cut(chart, heights).into(), spacing: *spacing }
-            }
-            Self::Metric(metric) => Self::Metric(block.cut(chart, metric).into()),
-        }
-    }
-
-    /// Returns the geometry in which the second point of each pair has the values of the first.
-    pub(crate) fn with_copies(&self, pairs: impl Iterator<Item = [usize; 2]>) -> Self {
-        fn all<T: Copy + Send + Sync + 'static>(
-            values: &[T],
-            pairs: impl Iterator<Item = [usize; 2]>,
-        ) -> Values<T> {
-            let mut values = values.to_vec();
-            pairs.for_each(|[from, to]| values[to] = values[from]);
-            values.into()
-        }
-        match self {
-            Self::Positions(positions) => Self::Positions(all(positions, pairs)),
-            Self::Heights { heights, spacing } => {
-                Self::Heights { heights: all(heights, pairs), spacing: *spacing }
-            }
-            Self::Metric(metric) => Self::Metric(all(metric, pairs)),
-        }
-    }
-
     /// Returns the geometry of some points. The values of missing points are arbitrary.
-    pub(crate) fn gathered(&self, points: &[Option<usize>]) -> Self {
+    pub(crate) fn gathered(&self, points: impl Iterator<Item = Option<usize>>) -> Self {
         fn all<T: Copy + Default + Send + Sync + 'static>(
             values: &[T],
-            points: &[Option<usize>],
+            points: impl Iterator<Item = Option<usize>>,
         ) -> Values<T> {
-            let gathered: Vec<T> = points
-                .iter()
-                .map(|point| point.map_or(T::default(), |index| values[index]))
-                .collect();
-            gathered.into()
+            let value = |point: Option<usize>| point.map_or(T::default(), |index| values[index]);
+            points.map(value).collect::<Vec<T>>().into()
         }
         match self {
             Self::Positions(positions) => Self::Positions(all(positions, points)),

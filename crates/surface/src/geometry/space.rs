@@ -1,7 +1,6 @@
 //! Computes lengths between neighbouring grid points. Each kind of geometry is a type of its own, so that
 //! loops over a row have no branches.
 
-use super::Geometry;
 use crate::real::{Real, max};
 
 /// A grid point in some precision: the three numbers of its geometry ([`Geometry::numbers`]), and its
@@ -26,16 +25,16 @@ pub(crate) trait Space<R: Real>: Copy {
 }
 
 #[derive(Clone, Copy)]
-struct Positions<const CORNERS: bool>;
+pub(crate) struct Positions<const CORNERS: bool>;
 
 #[derive(Clone, Copy)]
-struct Heights<R> {
-    dx: R,
-    dy: R,
+pub(crate) struct Heights<R> {
+    pub dx: R,
+    pub dy: R,
 }
 
 #[derive(Clone, Copy)]
-struct Metric;
+pub(crate) struct Metric;
 
 impl<R: Real, const CORNERS: bool> Space<R> for Positions<CORNERS> {
     const HAS_EVEN_STEPS: bool = !CORNERS;
@@ -78,25 +77,4 @@ fn metric_length<R: Real>(g: Point<R>, step: (isize, isize)) -> R {
     let (down, right) = (R::of(step.0 as f64), R::of(step.1 as f64));
     let mixed = g[1] * (R::of(2.0) * right * down);
     max((g[0] * (down * down) + mixed) + g[2] * (right * right), R::zero()).sqrt()
-}
-
-/// Work that is done alike in every space.
-pub(crate) trait InSpace<R: Real> {
-    type Output;
-
-    fn run<S: Space<R>>(self, space: S) -> Self::Output;
-}
-
-impl Geometry {
-    /// Runs `work` in the space in which a geometry's points lie. `corners` says whether grid lines have corners.
-    pub(crate) fn in_space<R: Real, W: InSpace<R>>(&self, corners: bool, work: W) -> W::Output {
-        match self {
-            Self::Positions(_) if corners => work.run(Positions::<true>),
-            Self::Positions(_) => work.run(Positions::<false>),
-            Self::Heights { spacing, .. } => {
-                work.run(Heights { dx: R::of(spacing.dx), dy: R::of(spacing.dy) })
-            }
-            Self::Metric(_) => work.run(Metric),
-        }
-    }
 }

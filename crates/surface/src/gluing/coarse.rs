@@ -33,7 +33,7 @@ impl Surface {
     /// between them is no copy of it, like the middle of a folded side.
     fn has_collapsed(&self, glued: &Glued, [rows, cols]: &[Vec<usize>; 2]) -> bool {
         let chart = self.chart();
-        let group = |row, col| glued.numbers.get(&(chart.index(row, col) as u32));
+        let group = |row, col| glued.groups.number(chart.index(row, col));
         let is_lost = |a: (usize, usize), b: (usize, usize)| {
             let middle = (a.0.midpoint(b.0), a.1.midpoint(b.1));
             let of_a = group(a.0, a.1);
@@ -76,6 +76,6 @@ impl Glued {
         let neighbours = ways.into_iter().filter_map(|to| chart.neighbour(row, col, to));
         neighbours
             .map(|(row, col)| chart.index(row, col))
-            .any(|other| stays(other) && self.numbers.contains_key(&(other as u32)))
+            .any(|other| stays(other) && self.groups.number(other).is_some())
     }
 }

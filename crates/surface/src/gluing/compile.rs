@@ -309,7 +309,9 @@ impl Surface {
         if let Some(slowness) = &mut self.inputs.slowness {
             glued.groups.pairs().for_each(|[from, to]| slowness[to] = slowness[from]);
         }
-        self.inputs.geometry = self.inputs.geometry.with_copies(glued.groups.pairs());
+        let mut from: Vec<_> = (0..self.chart.points()).map(Some).collect();
+        glued.groups.pairs().for_each(|[first, other]| from[other] = Some(first));
+        self.inputs.geometry = self.inputs.geometry.gathered(from.into_iter());
         Ok(())
     }
 }

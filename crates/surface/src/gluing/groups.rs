@@ -9,9 +9,19 @@ use std::collections::HashMap;
 pub struct Groups {
     starts: Vec<u32>,
     members: Vec<u32>,
+    /// The number of each member's group.
+    numbers: HashMap<u32, u32>,
 }
 
 impl Groups {
+    fn new(starts: Vec<u32>, members: Vec<u32>) -> Self {
+        let of_group = |(number, range): (u32, &[u32])| {
+            members[range[0] as usize..range[1] as usize].iter().map(move |&index| (index, number))
+        };
+        let numbers = (0..).zip(starts.windows(2)).flat_map(of_group).collect();
+        Self { starts, members, numbers }
+    }
+
     /// Joins pairs of indices to groups.
     pub(in super::super) fn of(pairs: impl IntoIterator<Item = [usize; 2]>) -> Self {
         let mut parents: HashMap<u32, u32> = HashMap::new();
@@ -29,14 +39,14 @@ impl Groups {
             members.extend(group.iter().map(|&(_, index)| index));
             starts.push(members.len() as u32);
         }
-        Self { starts, members }
+        Self::new(starts, members)
     }
 
     /// Returns these groups with indices converted by `to`, which must keep the order of the indices.
     #[inline]
     pub(crate) fn mapped(&self, to: impl Fn(usize) -> usize) -> Self {
         let members = self.members.iter().map(|&index| to(index as usize) as u32).collect();
-        Self { starts: self.starts.clone(), members }
+        Self::new(self.starts.clone(), members)
     }
 
     /// Returns the members of each group.
@@ -45,11 +55,15 @@ impl Groups {
         self.starts.windows(2).map(|range| &self.members[range[0] as usize..range[1] as usize])
     }
 
-    /// Returns the members of a group.
-    #[doc(hidden)]
-    #[inline]
-    pub fn get(&self, number: usize) -> &[u32] {
-        &self.members[self.starts[number] as usize..self.starts[number + 1] as usize]
+    /// Returns the number of the group that an index belongs to.
+    pub(crate) fn number(&self, index: usize) -> Option<u32> {
+        self.numbers.get(&(index as u32)).copied()
+    }
+
+    /// Returns the members of the group that an index belongs to.
+    pub(crate) fn around(&self, index: usize) -> Option<&[u32]> {
+        let number = self.number(index)? as usize;
+        Some(&self.members[self.starts[number] as usize..self.starts[number + 1] as usize])
     }
 
     /// Returns the start of each group in [`Self::members`], followed by the number of members.
@@ -72,19 +86,10 @@ impl Groups {
         })
     }
 
-    /// Returns the number of each member's group.
-    #[doc(hidden)]
-    pub fn numbers(&self) -> HashMap<u32, usize> {
-        let of_group = |(number, group): (usize, &[u32])| {
-            group.iter().map(|&index| (index, number)).collect::<Vec<_>>()
-        };
-        self.iter().enumerate().flat_map(of_group).collect()
-    }
-
     /// Returns the number of bytes held.
     #[inline]
     pub(crate) fn bytes(&self) -> usize {
-        (self.starts.len() + self.members.len()) * size_of::<u32>()
+        (self.starts.len() + 3 * self.members.len()) * size_of::<u32>()
     }
 }
 
@@ -111,7 +116,7 @@ mod tests {
         assert!(groups.iter().eq([&[1, 2][..], &[3, 7, 9][..]]));
         assert_eq!(groups.starts(), [0, 2, 5]);
         assert!(groups.pairs().eq([[1, 2], [3, 7], [3, 9]]));
-        assert_eq!(groups.numbers()[&9], 1);
+        assert_eq!(groups.number(9), Some(1));
         assert_eq!(groups.mapped(|index| index + 1).members(), [2, 3, 4, 8, 10]);
     }
 }

@@ -14,7 +14,7 @@
 
 mod beyond;
 mod coarse;
-mod compile;
+pub(super) mod compile;
 mod curvature;
 mod error;
 mod groups;
@@ -38,7 +38,6 @@ pub use sheet::Sheet;
 #[doc(hidden)]
 pub use solver_grid::SolverGrid;
 
-use std::collections::HashMap;
 use std::sync::{Arc, OnceLock};
 
 use super::{Chart, Seam, Surface, SurfaceError};
@@ -49,8 +48,6 @@ use compile::{Compiled, twice};
 pub struct Glued {
     /// Groups of copies, by their row-major indices.
     groups: Groups,
-    /// The number of each member's group.
-    numbers: HashMap<u32, usize>,
     /// The continuation of the grid beyond its sides.
     lattice: Lattice,
 }
@@ -73,13 +70,8 @@ impl Glued {
         };
         match pairs.is_empty() {
             true => Err(GluingError::Nothing),
-            false => Ok(Self::new(Groups::of(pairs), lattice)),
+            false => Ok(Self { groups: Groups::of(pairs), lattice }),
         }
-    }
-
-    fn new(groups: Groups, lattice: Lattice) -> Self {
-        let numbers = groups.numbers();
-        Self { groups, numbers, lattice }
     }
 
     /// Returns the groups of copies, by their row-major indices.
@@ -97,7 +89,7 @@ impl Glued {
     /// Returns whether the two points of each pair are glued. The result is false if there are no pairs.
     fn has_glued(&self, pairs: &[[usize; 2]]) -> bool {
         let is_one = |pair: &[usize; 2]| {
-            let [a, b] = pair.map(|index| self.numbers.get(&(index as u32)));
+            let [a, b] = pair.map(|index| self.groups.number(index));
             pair[0] == pair[1] || a.is_some() && a == b
         };
         !pairs.is_empty() && pairs.iter().all(is_one)
@@ -129,7 +121,7 @@ impl Surface {
     /// Glues the points of each group, and gives them the geometry of the first one.
     fn glued_by(mut self, groups: Groups, lattice: Lattice) -> Result<Self, SurfaceError> {
         self.floor = OnceLock::new();
-        self.glued = Some(Arc::new(Glued::new(groups, lattice)));
+        self.glued = Some(Arc::new(Glued { groups, lattice }));
         self.agree()?;
         self.non_empty()
     }

@@ -4,7 +4,7 @@ use glam::DVec2;
 
 use super::super::Surface;
 use super::lattice::Lattice;
-use super::{Glued, GluingError, UNGLUED};
+use super::{GluingError, UNGLUED};
 
 /// The distance, in cells, up to which two places of the grid count as one.
 const SAME: f64 = 1e-6;
@@ -40,12 +40,9 @@ impl Surface {
 
     /// Returns all copies of a grid point, the point itself included. The result is empty if it has no other copy.
     fn copies_of_point(&self, at: DVec2) -> impl Iterator<Item = DVec2> {
-        let index = self.chart.index(at.x as usize, at.y as usize) as u32;
-        let group = self.glued.iter().filter_map(move |glued| {
-            let number = *glued.numbers.get(&index)?;
-            Some(glued.groups.get(number))
-        });
-        group.flatten().map(|&index| {
+        let index = self.chart.index(at.x as usize, at.y as usize);
+        let group = self.copies().and_then(|groups| groups.around(index));
+        group.into_iter().flatten().map(|&index| {
             let (row, col) = self.chart.position(index as usize);
             DVec2::new(row as f64, col as f64)
         })
@@ -97,25 +94,9 @@ impl Surface {
 
     /// Returns the factors for rows and columns, 1 or -1, that convert a step at a place to the same step at its copy.
     /// Returns `None` if the grid does not go on from one to the other.
-    #[doc(hidden)]
-    pub fn turn_at_copy(&self, from: DVec2, copy: DVec2) -> Option<DVec2> {
-        let Lattice { cols, rows, .. } = self.glued.as_ref()?.lattice;
-        let (last_row, last_col) = self.chart.last();
-        let last = DVec2::new(last_row as f64, last_col as f64);
-        let is_side = |at: f64, last: f64| at <= SAME || at >= last - SAME;
-        let over_cols = |(at, turn): (DVec2, DVec2)| {
-            let reversed = cols.filter(|_| is_side(at.y, last.y))?;
-            let (row, sign) = if reversed { (last.x - at.x, -1.0) } else { (at.x, 1.0) };
-            Some((DVec2::new(row, last.y - at.y), DVec2::new(sign, 1.0) * turn))
-        };
-        let over_rows = |(at, turn): (DVec2, DVec2)| {
-            let reversed = rows.filter(|_| is_side(at.x, last.x))?;
-            let (col, sign) = if reversed { (last.y - at.y, -1.0) } else { (at.y, 1.0) };
-            Some((DVec2::new(last.x - at.x, col), DVec2::new(1.0, sign) * turn))
-        };
-        let start = (from, DVec2::ONE);
-        let ways = [over_cols(start), over_rows(start), over_cols(start).and_then(over_rows)];
-        ways.into_iter().flatten().find(|(at, _)| at.distance(copy) <= SAME).map(|(_, turn)| turn)
+    pub(crate) fn turn_at_copy(&self, from: DVec2, copy: DVec2) -> Option<DVec2> {
+        let mut images = self.turned_images(from, SAME).into_iter();
+        images.find(|(at, _)| at.distance(copy) <= SAME).map(|(_, turn)| turn)
     }
 
     /// Returns an error if directions cannot be carried from each point to its copies. Where the grid does not go on
@@ -144,12 +125,9 @@ impl Surface {
     }
 
     /// Returns the first of the copies of a grid point, the point itself included.
-    #[doc(hidden)]
-    pub fn first_copy(&self, (row, col): (usize, usize)) -> (usize, usize) {
-        let index = self.chart.index(row, col) as u32;
-        let group = |glued: &Glued| Some(glued.groups.get(*glued.numbers.get(&index)?)[0]);
-        let first = self.glued.as_deref().and_then(group).unwrap_or(index);
-        self.chart.position(first as usize)
+    pub(crate) fn first_copy(&self, (row, col): (usize, usize)) -> (usize, usize) {
+        let group = self.copies().and_then(|groups| groups.around(self.chart.index(row, col)));
+        group.map_or((row, col), |group| self.chart.position(group[0] as usize))
     }
 
     /// Returns the images of a place over the sides where the grid goes on, at most `reach` rows and columns beyond

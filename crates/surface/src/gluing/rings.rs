@@ -48,9 +48,7 @@ impl Glued {
         let axes = [Direction::East, Direction::North, Direction::West, Direction::South];
         let is_middle = |&(row, col): &(usize, usize)| {
             let around = axes.iter().filter_map(|&to| chart.neighbour(row, col, to));
-            let numbers = around.filter_map(|(row, col)| {
-                self.numbers.get(&(chart.index(row, col) as u32)).copied()
-            });
+            let numbers = around.filter_map(|(row, col)| self.groups.number(chart.index(row, col)));
             let mut numbers: Vec<_> = numbers.collect();
             numbers.sort_unstable();
             numbers.windows(2).any(|pair| pair[0] == pair[1])
@@ -60,7 +58,7 @@ impl Glued {
                 let (row, col) = chart.position(index as usize);
                 axes.into_iter().filter_map(move |to| chart.neighbour(row, col, to))
             })
-            .filter(|&(row, col)| !self.numbers.contains_key(&(chart.index(row, col) as u32)))
+            .filter(|&(row, col)| self.groups.number(chart.index(row, col)).is_none())
             .filter(is_middle)
             .map(|(row, col)| vec![chart.index(row, col) as u32])
             .collect();
@@ -70,7 +68,7 @@ impl Glued {
     }
 
     fn name(&self, index: u32) -> Name {
-        self.numbers.get(&index).map_or((1, index), |&number| (0, number as u32))
+        self.groups.number(index as usize).map_or((1, index), |number| (0, number))
     }
 
     fn ring(&self, chart: Chart, members: Vec<u32>) -> Ring {

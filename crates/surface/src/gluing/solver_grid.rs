@@ -70,7 +70,7 @@ impl Surface {
         let places = rows.flat_map(|row| cols.clone().map(move |col| (row, col)));
         let pairs = places.enumerate().filter_map(|(index, at)| Some([home(at)?, index]));
         let groups = Groups::of(pairs.filter(|[home, index]| home != index));
-        wide.glued = Some(Arc::new(Glued::new(groups, Lattice { overlap, ..lattice })));
+        wide.glued = Some(Arc::new(Glued { groups, lattice: Lattice { overlap, ..lattice } }));
         SolverGrid { surface: Cow::Owned(wide), chart: self.chart, first: overlap.into() }
     }
 }

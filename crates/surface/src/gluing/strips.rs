@@ -108,17 +108,8 @@ impl Surface {
     /// where the grid does not go on there, the surface has holes.
     pub(super) fn beyond(&self, lattice: &Lattice, rows: Range<isize>, cols: Range<isize>) -> Self {
         let chart = Chart { rows: rows.len(), cols: cols.len() };
-        let points: Vec<_> = rows
-            .flat_map(|row| cols.clone().map(move |col| (row, col)))
-            .map(|(row, col)| lattice.at(self.chart, row, col))
-            .map(|at| at.map(|(row, col)| self.chart.index(row, col)))
-            .collect();
-        Self {
-            chart,
-            inputs: self.inputs.gathered(&points),
-            edge_rule: self.edge_rule,
-            floor: Default::default(),
-            glued: None,
-        }
+        let places = rows.flat_map(|row| cols.clone().map(move |col| (row, col)));
+        let points = places.map(|(row, col)| lattice.at(self.chart, row, col));
+        self.part(chart, points.map(|at| at.map(|(row, col)| self.chart.index(row, col))))
     }
 }

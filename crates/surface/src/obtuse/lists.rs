@@ -44,7 +44,6 @@ pub(super) struct Found {
     pub(super) bits: Vec<u8>,
     /// Points that have obtuse triangles, by row and by column.
     pub(super) lines: [Lines; 2],
-    pub(super) triangles: usize,
 }
 
 /// A list of points, line by line: for each point its place in the line.

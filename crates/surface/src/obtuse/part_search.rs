@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use super::parts::{Band, LINES, SideParts, Stored, Triangle};
 use crate::chart::{Chart, Direction, Lines};
 use crate::edges::EdgeLengths;
+use crate::kept;
 use crate::real::Real;
 
 /// Maximum number of obtuse triangles of a surface whose parts are stored: half a gigabyte in single
@@ -90,22 +91,16 @@ impl<R: Real> EdgeLengths<R> {
 
     /// Returns the parts of obtuse triangles on one side of their points, which are stored from now on. The
     /// result is `None` if the surface has no such triangle, or more than can be stored.
-    #[doc(hidden)]
-    pub fn parts_on_side(&self, side: Direction) -> Option<&SideParts<R>> {
-        if self.shared.parts.0.get().is_none() {
-            // The parts are computed outside the lock: a thread that waits for others here may take up work that needs
-            // the parts too.
-            let sides = self.find_parts();
-            self.shared.parts.0.get_or_init(|| sides);
-        }
+    pub(crate) fn parts_on_side(&self, side: Direction) -> Option<&SideParts<R>> {
+        kept(&self.shared.parts.0, || self.find_parts());
         self.stored_parts_on_side(side)
     }
 
     fn find_parts(&self) -> Option<[SideParts<R>; 4]> {
-        self.obtuse_triangles()?;
+        let triangles = self.obtuse_triangles()?.par_iter().map(|bits| bits.count_ones() as usize);
         let sides =
             || SIDES.into_par_iter().map(|side| SideParts::of(self, side)).collect::<Vec<_>>();
-        (self.obtuse_triangles_count() <= KEPT)
+        (triangles.sum::<usize>() <= KEPT)
             .then(|| sides().try_into().expect("an element for each side"))
     }
 }

@@ -10,8 +10,6 @@ mod rise;
 mod seed;
 mod source;
 
-use std::collections::BTreeMap;
-
 use glam::DVec2;
 
 use super::Surface;
@@ -136,7 +134,7 @@ impl Sources {
     /// # Ok::<(), geosweep::Error>(())
     /// ```
     pub fn seeds_with_origins(&self, surface: &Surface) -> Result<Vec<Seed>, SourceError> {
-        let mut seeds = BTreeMap::new();
+        let mut seeds = Vec::new();
         for source in self.iter() {
             let (parts, initial) = (Part::all(surface, source), source.initial());
             let first = parts.first().ok_or(SourceError::EmptyCurve)?.first();
@@ -144,17 +142,9 @@ impl Sources {
             if initial.is_nan() || initial.abs() >= LARGEST_INITIAL {
                 return Err(SourceError::Initial { row: first.x, col: first.y, initial });
             }
-            for seed in of_source {
-                let first = seeds.entry((seed.row, seed.col)).or_insert(seed);
-                if seed.time < first.time {
-                    *first = seed;
-                }
-            }
+            seeds.extend(of_source);
         }
-        if seeds.is_empty() {
-            return Err(SourceError::None);
-        }
-        Ok(seeds.into_values().collect())
+        if seeds.is_empty() { Err(SourceError::None) } else { Ok(Seed::earliest(seeds)) }
     }
 }
 

@@ -1,5 +1,7 @@
 //! Defines the initial values at grid points, from which maps are solved.
 
+use std::collections::BTreeMap;
+
 use glam::DVec2;
 
 use super::Origin;
@@ -70,6 +72,18 @@ impl Seed {
         let rounding =
             R::of(if self.origin.is_some() { OFF_LINE } else { 8.0 * R::epsilon().wide() });
         time - start > start.abs() * rounding
+    }
+
+    /// Returns the earliest seed of each point, in row-major order.
+    pub(crate) fn earliest(seeds: impl IntoIterator<Item = Self>) -> Vec<Self> {
+        let mut earliest = BTreeMap::new();
+        for seed in seeds {
+            let first = earliest.entry((seed.row, seed.col)).or_insert(seed);
+            if seed.time < first.time {
+                *first = seed;
+            }
+        }
+        earliest.into_values().collect()
     }
 
     /// Returns row and column as a place.

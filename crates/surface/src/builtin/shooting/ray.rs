@@ -1,7 +1,5 @@
 //! Integrates geodesics from one place, and the rate at which neighbouring ones diverge.
 
-use std::ops::{Add, Mul, Sub};
-
 use glam::{DVec2, DVec3};
 
 use crate::builtin::jet::Jet;
@@ -22,40 +20,6 @@ pub(super) struct Ray {
     pub(super) spread: f64,
     /// Derivative of J with respect to length.
     pub(super) spreading: f64,
-}
-
-impl Add for Ray {
-    type Output = Self;
-
-    fn add(self, other: Self) -> Self {
-        Self {
-            at: self.at + other.at,
-            heading: self.heading + other.heading,
-            spread: self.spread + other.spread,
-            spreading: self.spreading + other.spreading,
-        }
-    }
-}
-
-impl Sub for Ray {
-    type Output = Self;
-
-    fn sub(self, other: Self) -> Self {
-        self + other * -1.0
-    }
-}
-
-impl Mul<f64> for Ray {
-    type Output = Self;
-
-    fn mul(self, factor: f64) -> Self {
-        Self {
-            at: self.at * factor,
-            heading: self.heading * factor,
-            spread: self.spread * factor,
-            spreading: self.spreading * factor,
-        }
-    }
 }
 
 /// First and second derivatives of a parametrisation at one place.
@@ -115,6 +79,16 @@ impl Frame {
 }
 
 impl Ray {
+    /// Returns the ray whose numbers differ from this one's by `factor` times those of another.
+    fn moved(self, by: Self, factor: f64) -> Self {
+        Self {
+            at: self.at + by.at * factor,
+            heading: self.heading + by.heading * factor,
+            spread: self.spread + by.spread * factor,
+            spreading: self.spreading + by.spreading * factor,
+        }
+    }
+
     pub(super) fn start(from: DVec2, frame: &Frame, angle: f64) -> Self {
         Self { at: from, heading: frame.direction(angle), spread: 0.0, spreading: 1.0 }
     }
@@ -137,9 +111,9 @@ impl Ray {
         const PARTS: [usize; 3] = [2, 4, 6];
         let midpoint = |parts: usize| {
             let part = step / parts as f64;
-            let (mut before, mut now) = (self, self + derivative * part);
+            let (mut before, mut now) = (self, self.moved(derivative, part));
             for _ in 1..parts {
-                (before, now) = (now, before + now.derivative(position) * (2.0 * part));
+                (before, now) = (now, before.moved(now.derivative(position), 2.0 * part));
             }
             now
         };
@@ -150,7 +124,8 @@ impl Ray {
             for k in 0..index {
                 let coarser = std::mem::replace(&mut row[k], better);
                 let ratio = parts as f64 / PARTS[index - 1 - k] as f64;
-                better = better + (better - coarser) * (ratio * ratio - 1.0).recip();
+                let change = better.moved(coarser, -1.0);
+                better = better.moved(change, (ratio * ratio - 1.0).recip());
             }
             row[index] = better;
         }
