@@ -25,7 +25,8 @@ impl Surface {
     }
 
     /// Returns the even grid of a floor plan.
-    pub(crate) fn floor(&self) -> Option<EvenGrid> {
+    #[doc(hidden)]
+    pub fn floor(&self) -> Option<EvenGrid> {
         let grid = || self.even_grid().filter(|grid| !grid.is_obtuse());
         // A path runs straight through the chart from its anchor to a point. This fails across seams.
         let is_open = has_numbers(self.chart) && !self.is_glued();

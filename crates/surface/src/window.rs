@@ -16,7 +16,8 @@ impl Surface {
     ///
     /// # Panics
     /// If the grid does not have these rows and columns, or there are none.
-    pub(crate) fn window(&self, rows: Range<usize>, cols: Range<usize>) -> Self {
+    #[doc(hidden)]
+    pub fn window(&self, rows: Range<usize>, cols: Range<usize>) -> Self {
         assert!(!rows.is_empty() && !cols.is_empty(), "no point of a surface");
         let chart = Chart { rows: rows.len(), cols: cols.len() };
         let index = |(row, col)| Some(self.chart.index(row, col));

@@ -39,7 +39,7 @@ impl Earth {
     pub fn mask(&mut self, mask: &[bool]) -> Vec<bool> {
         self.present.iter_mut().zip(mask).for_each(|(present, &keep)| *present &= keep);
         let values = self.without_holes(&vec![1.0; mask.len()]);
-        self.grid.extend(&values).into_iter().map(|value| !value.is_nan()).collect()
+        self.grid.lines().extend(&values).into_iter().map(|value| !value.is_nan()).collect()
     }
 
     /// Returns the slowness of all points of the surface. A pole has the mean of the row beside it, so negative
@@ -47,7 +47,7 @@ impl Earth {
     pub fn slowness(&self, given: &[f64]) -> Result<Vec<f64>, SurfaceError> {
         let given = self.without_holes(given);
         match given.iter().position(|&value| value < 0.0) {
-            None => Ok(self.grid.extend(&given)),
+            None => Ok(self.grid.lines().extend(&given)),
             Some(index) => {
                 let ((row, col), value) = (self.chart.position(index), given[index]);
                 Err(SurfaceError::Slowness { value, row, col })

@@ -37,7 +37,8 @@ impl Block {
     }
 
     /// Returns row and column of the block's points, row by row.
-    pub(crate) fn places(&self) -> impl Iterator<Item = (usize, usize)> + Clone + use<> {
+    #[doc(hidden)]
+    pub fn places(&self) -> impl Iterator<Item = (usize, usize)> + Clone + use<> {
         let Self { rows, cols } = self.clone();
         rows.flat_map(move |row| cols.clone().map(move |col| (row, col)))
     }

@@ -41,13 +41,15 @@ impl Chart {
     }
 
     /// Returns the index in a bordered array of a grid point, given its row-major index.
-    pub(crate) const fn bordered_point(self, index: usize) -> usize {
+    #[doc(hidden)]
+    pub const fn bordered_point(self, index: usize) -> usize {
         let (row, col) = self.position(index);
         self.bordered(row, col)
     }
 
     /// Returns the row-major index of a grid point, given its index in a bordered array.
-    pub(crate) const fn index_of(self, point: usize) -> usize {
+    #[doc(hidden)]
+    pub const fn index_of(self, point: usize) -> usize {
         let (row, col) = self.bordered_position(point);
         self.index(row, col)
     }

@@ -55,7 +55,8 @@ impl Chart {
 
     /// Returns the cell that contains a place of the chart: the one to the south-east of a grid point, or the last one
     /// before the end of the grid.
-    pub(crate) fn cell_at(self, at: DVec2) -> Cell {
+    #[doc(hidden)]
+    pub fn cell_at(self, at: DVec2) -> Cell {
         let low = |at: f64, points: usize| (at as usize).min(points.saturating_sub(2));
         Cell::of((low(at.x, self.rows), low(at.y, self.cols)))
     }
@@ -106,7 +107,8 @@ impl Cell {
 
     /// Returns the first corner, which identifies the cell.
     #[inline]
-    pub(crate) const fn north_west(self) -> (usize, usize) {
+    #[doc(hidden)]
+    pub const fn north_west(self) -> (usize, usize) {
         (self.rows[0], self.cols[0])
     }
 
@@ -119,7 +121,8 @@ impl Cell {
 
     /// Returns row and column of a place relative to the first corner.
     #[inline]
-    pub(crate) fn inside(self, at: DVec2) -> DVec2 {
+    #[doc(hidden)]
+    pub fn inside(self, at: DVec2) -> DVec2 {
         at - DVec2::new(self.rows[0] as f64, self.cols[0] as f64)
     }
 }

@@ -12,7 +12,8 @@ mod space;
 mod values;
 
 pub use metric::MetricTensor;
-pub(crate) use sample::Sample;
+#[doc(hidden)]
+pub use sample::Sample;
 pub(super) use space::{Heights, Metric, Point, Positions, Space};
 pub use values::Values;
 

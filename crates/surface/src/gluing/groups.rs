@@ -61,7 +61,8 @@ impl Groups {
     }
 
     /// Returns the members of the group that an index belongs to.
-    pub(crate) fn around(&self, index: usize) -> Option<&[u32]> {
+    #[doc(hidden)]
+    pub fn around(&self, index: usize) -> Option<&[u32]> {
         let number = self.number(index)? as usize;
         Some(&self.members[self.starts[number] as usize..self.starts[number + 1] as usize])
     }

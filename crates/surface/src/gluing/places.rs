@@ -94,7 +94,8 @@ impl Surface {
 
     /// Returns the factors for rows and columns, 1 or -1, that convert a step at a place to the same step at its copy.
     /// Returns `None` if the grid does not go on from one to the other.
-    pub(crate) fn turn_at_copy(&self, from: DVec2, copy: DVec2) -> Option<DVec2> {
+    #[doc(hidden)]
+    pub fn turn_at_copy(&self, from: DVec2, copy: DVec2) -> Option<DVec2> {
         let mut images = self.turned_images(from, SAME).into_iter();
         images.find(|(at, _)| at.distance(copy) <= SAME).map(|(_, turn)| turn)
     }
@@ -125,7 +126,8 @@ impl Surface {
     }
 
     /// Returns the first of the copies of a grid point, the point itself included.
-    pub(crate) fn first_copy(&self, (row, col): (usize, usize)) -> (usize, usize) {
+    #[doc(hidden)]
+    pub fn first_copy(&self, (row, col): (usize, usize)) -> (usize, usize) {
         let group = self.copies().and_then(|groups| groups.around(self.chart.index(row, col)));
         group.map_or((row, col), |group| self.chart.position(group[0] as usize))
     }

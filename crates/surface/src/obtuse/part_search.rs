@@ -91,7 +91,8 @@ impl<R: Real> EdgeLengths<R> {
 
     /// Returns the parts of obtuse triangles on one side of their points, which are stored from now on. The
     /// result is `None` if the surface has no such triangle, or more than can be stored.
-    pub(crate) fn parts_on_side(&self, side: Direction) -> Option<&SideParts<R>> {
+    #[doc(hidden)]
+    pub fn parts_on_side(&self, side: Direction) -> Option<&SideParts<R>> {
         kept(&self.shared.parts.0, || self.find_parts());
         self.stored_parts_on_side(side)
     }

@@ -75,7 +75,8 @@ impl Seed {
     }
 
     /// Returns the earliest seed of each point, in row-major order.
-    pub(crate) fn earliest(seeds: impl IntoIterator<Item = Self>) -> Vec<Self> {
+    #[doc(hidden)]
+    pub fn earliest(seeds: impl IntoIterator<Item = Self>) -> Vec<Self> {
         let mut earliest = BTreeMap::new();
         for seed in seeds {
             let first = earliest.entry((seed.row, seed.col)).or_insert(seed);
