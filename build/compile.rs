@@ -2,6 +2,8 @@
 //! committed SPIR-V.
 #![cfg(feature = "shaderc")]
 
+use std::cell::RefCell;
+use std::collections::BTreeSet;
 use std::fs;
 
 use shaderc::{CompileOptions, Compiler, EnvVersion, OptimizationLevel, ShaderKind, TargetEnv};
@@ -27,6 +29,8 @@ pub fn spirv(
     includes: &str,
     definition: Option<(&str, String)>,
 ) -> Vec<u8> {
+    // A file is included once, however many others include it. So each file can include what it needs.
+    let included = RefCell::new(BTreeSet::new());
     let compiler = Compiler::new().expect("glslang starts");
     let mut options = CompileOptions::new().expect("glslang starts");
     // Vulkan 1.1 is the oldest version that the engine runs on.
@@ -40,6 +44,9 @@ pub fn spirv(
     }
     options.set_include_callback(|name, _, _, _| {
         let resolved_name = format!("{includes}/{name}");
+        if !included.borrow_mut().insert(resolved_name.clone()) {
+            return Ok(shaderc::ResolvedInclude { resolved_name, content: String::new() });
+        }
         let content = fs::read_to_string(&resolved_name)
             .map_err(|error| format!("cannot read {resolved_name}: {error}"))?;
         Ok(shaderc::ResolvedInclude { resolved_name, content })

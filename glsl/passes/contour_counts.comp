@@ -2,7 +2,6 @@
 // workgroup is one row of cells. One invocation is one strip of cells in it.
 // Twin: src/geometry/contours.rs.
 
-#include "shared/times.glsl"
 #include "passes/contours.glsl"
 
 layout(local_size_x = WORKGROUP) in;

@@ -2,7 +2,6 @@
 // all segments reads. A single workgroup is dispatched. One invocation takes some consecutive rows.
 // Twin: src/geometry/contours.rs.
 
-#include "shared/times.glsl"
 #include "passes/contours.glsl"
 #include "shared/curve.glsl"
 

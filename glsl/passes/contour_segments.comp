@@ -3,7 +3,6 @@
 // invocation is one strip of cells in it.
 // Twin: src/geometry/contours.rs.
 
-#include "shared/times.glsl"
 #include "passes/contours.glsl"
 #include "shared/curve.glsl"
 #include "shared/crossing.glsl"

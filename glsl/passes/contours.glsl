@@ -6,6 +6,8 @@
 // strip of cells in it.
 // Twin: src/geometry/contours.rs, and src/surface/chart for which triangles there are.
 
+#include "shared/times.glsl"
+
 layout(set = 1, binding = 0) restrict buffer Counts {
     // The levels as floats, in ascending order. Then for each row of cells, the number of segments in the
     // rows before it, or at first in the row itself. Then for each strip of each row, the number of segments

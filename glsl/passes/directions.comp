@@ -3,27 +3,8 @@
 // poles and at the corners of octahedral maps. One invocation is one point.
 // Twin: src/geometry/directions, in double precision.
 
-#include "shared/edge_image.glsl"
-#include "shared/cell.glsl"
-#include "shared/times.glsl"
-#include "shared/start.glsl"
-#include "passes/path_cell.glsl"
-#include "passes/path_profile.glsl"
-#include "passes/path_places.glsl"
-#include "passes/local_metric.glsl"
-
 layout(local_size_x = WORKGROUP) in;
 
-#include "passes/ways.glsl"
-#include "shared/source.glsl"
-#include "shared/seams.glsl"
-#include "shared/lattice.glsl"
-#include "passes/over_seams.glsl"
-// At a pole, columns and rows have no common plane. So a way that leaves from another copy would be of no use.
-const bool PASSES_POLES = false;
-#include "passes/path_copies.glsl"
-#include "passes/step_over_seams.glsl"
-#include "passes/path_line.glsl"
 #include "passes/way.glsl"
 
 void main() {

@@ -24,40 +24,24 @@ layout(constant_id = 6) const int SPLITS = 1;
 
 layout(local_size_x = EXCHANGE_WORKGROUP) in;
 
-// The image that was written last. After a round of tiles it is image 0, and some tiles have their fronts in image 1.
-layout(set = 2, binding = 0, rgba32f) uniform restrict image2DArray new_fronts;
-layout(set = 0, binding = 2, rgba32f) uniform restrict image2DArray old_fronts;
-
-#include "passes/copies.glsl"
+// The image bound as fronts_0 was written last. After a round of tiles some tiles have their fronts in fronts_1.
+#include "passes/two_images.glsl"
 
 const int NO_ROUND = -1;
 
-// Returns whether the fronts of a texel lie in old_fronts.
-bool is_in_old(ivec2 texel) {
+// Returns whether the fronts of a texel lie in fronts_1.
+bool is_in_1(ivec2 texel) {
     if (next_round == NO_ROUND) return false;
     ivec2 tile_grid = tiles_of(texels);
     return (tiles[row_major(tile_with(texel, tile_grid), tile_grid.x)] & 1u) != 0u;
 }
 
 void load(ivec2 texel, out vec4 time, out vec4 held) {
-    held = vec4(0.0);
-    if (is_in_old(texel)) {
-        time = imageLoad(old_fronts, ivec3(texel, TIME));
-        if (CARRIES) held = imageLoad(old_fronts, ivec3(texel, CARRIED));
-    } else {
-        time = imageLoad(new_fronts, ivec3(texel, TIME));
-        if (CARRIES) held = imageLoad(new_fronts, ivec3(texel, CARRIED));
-    }
+    load_fronts(is_in_1(texel), texel, time, held);
 }
 
 void store(ivec2 texel, vec4 time, vec4 held) {
-    if (is_in_old(texel)) {
-        imageStore(old_fronts, ivec3(texel, TIME), time);
-        if (CARRIES) imageStore(old_fronts, ivec3(texel, CARRIED), held);
-    } else {
-        imageStore(new_fronts, ivec3(texel, TIME), time);
-        if (CARRIES) imageStore(new_fronts, ivec3(texel, CARRIED), held);
-    }
+    store_fronts(is_in_1(texel), texel, time, held);
 }
 
 bool renews_fronts() {
@@ -66,20 +50,6 @@ bool renews_fronts() {
 
 int slot_of(int part) {
     return part;
-}
-
-// Puts the tiles that see a changed point on the list of the next round.
-void wake_tiles(ivec2 point, float earlier) {
-    const int REACH = SPLITS != 0 ? SPLIT_REACH : 1;
-    ivec2 tile_grid = tiles_of(texels);
-    ivec2 low = tile_with(texel_of(point - REACH), tile_grid);
-    ivec2 high = tile_with(texel_of(point + REACH), tile_grid);
-    for (int row = low.y; row <= high.y; row++) {
-        for (int col = low.x; col <= high.x; col++) {
-            uint tile = uint(row_major(ivec2(col, row), tile_grid.x));
-            enlist(tile, urgency_of(earlier), uint(next_round), uint(tile_grid.x * tile_grid.y));
-        }
-    }
 }
 
 // Records that fronts of a texel have changed. Before a round of tiles, the tiles around points that have changed by
@@ -97,7 +67,11 @@ void note_changes(ivec2 texel, vec4 time_before, vec4 held_before, vec4 time, ve
         if (time_before[j] >= FAR && time[j] < FAR) atomicOr(reached, 1u);
         if (change <= tolerance) continue;
         if (next_round > 0) atomicMax(unsettled[next_round - 1], change);
-        wake_tiles(first_point(texel) + to_corner(j), min(time_before[j], time[j]));
+        // The tiles that see the point are on the list of the next round.
+        const int REACH = SPLITS != 0 ? SPLIT_REACH : 1;
+        ivec2 point = first_point(texel) + to_corner(j);
+        uint urgency = urgency_of(min(time_before[j], time[j]));
+        enlist_around(texel_of(point - REACH), texel_of(point + REACH), urgency, uint(next_round), tiles_of(texels));
     }
 }
 

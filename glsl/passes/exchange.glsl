@@ -5,7 +5,6 @@
 // so its group has many parts. Then each invocation writes some texels. Copies of several points may lie in
 // one texel.
 //
-// Include after wavefront.glsl and copies.glsl.
 // Twin: src/cpu/fronts/exchange.rs.
 //
 // The including shader defines
@@ -15,6 +14,9 @@
 //     int slot_of(int part)                             number of the place for the earliest front of a part
 //     void note_changes(ivec2 texel, vec4 time_before, vec4 held_before, vec4 time, vec4 held)
 //                                                       records that fronts of a texel have changed
+
+#include "update/wavefront.glsl"
+#include "passes/copies.glsl"
 
 // Finds the earliest front among the members of a part of a group. Fronts that an earlier exchange has
 // brought do not count: the fronts from which they were copied may have been renewed since.

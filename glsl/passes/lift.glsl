@@ -6,6 +6,10 @@
 // The including shader defines
 //     float component(ivec2 at, int index)              a component of the host's data for a point
 
+#include "shared/cell.glsl"
+#include "shared/usable.glsl"
+#include "shared/curve.glsl"
+
 float component(ivec2 at, int index);
 
 layout(push_constant) uniform Lift {

@@ -2,10 +2,6 @@
 // One row of workgroups is one curve, and one invocation handles some of its vertices. See lift.glsl.
 // Twin: Curve::lift in src/geometry/curve.rs.
 
-#include "shared/cell.glsl"
-#include "shared/usable.glsl"
-#include "shared/curve.glsl"
-
 layout(local_size_x = WORKGROUP) in;
 
 #include "passes/lift.glsl"

@@ -1,7 +1,8 @@
 // Computes the metric of the surface from the lengths of its edges. If there is a slowness, lengths are travel times.
-// Include after edge_image.glsl.
 // src/geometry/directions/frame.rs computes a metric for the same purpose from positions, or takes the metric that is
 // given. So it is no twin.
+
+#include "shared/edge_image.glsl"
 
 // The metric at a place, in steps of columns (c) and rows (r).
 struct Metric {
@@ -23,22 +24,16 @@ float mean_square(float a, float b) {
 // is the unit of length.
 Metric metric_of_edges(vec4 own, vec4 others, float unit) {
     own /= unit;
-    float west = others.x / unit;
-    float south = others.y / unit;
-    float south_west = others.z / unit;
-    float south_east = others.w / unit;
-    float far = FAR / unit;
+    others /= unit;
     // Edges that do not exist keep the length FAR.
-    own = mix(own, vec4(FAR), greaterThanEqual(own, vec4(0.5 * far)));
-    if (west >= 0.5 * far) west = FAR;
-    if (south >= 0.5 * far) south = FAR;
-    if (south_west >= 0.5 * far) south_west = FAR;
-    if (south_east >= 0.5 * far) south_east = FAR;
+    vec4 far = vec4(0.5 * (FAR / unit));
+    own = mix(own, vec4(FAR), greaterThanEqual(own, far));
+    others = mix(others, vec4(FAR), greaterThanEqual(others, far));
     Metric metric;
-    metric.cc = mean_square(own.x, west);
-    metric.rr = mean_square(own.y, south);
-    float falling = mean_square(own.w, south_east);
-    float rising = mean_square(own.z, south_west);
+    metric.cc = mean_square(own.x, others.x);
+    metric.rr = mean_square(own.y, others.y);
+    float falling = mean_square(own.w, others.w);
+    float rising = mean_square(own.z, others.z);
     metric.cr = 0.0;
     if (falling >= 0.0 && rising >= 0.0) {
         metric.cr = 0.25 * (falling - rising);

@@ -1,10 +1,12 @@
-// Follows the ways of a log map between grid points, for log_map_*.comp. Include after ways.glsl and
-// cell.glsl.
+// Follows the ways of a log map between grid points, for log_map_*.comp.
 //
 // A way leads from a point some cells back towards the source. The way from a place between grid points is the
 // mean of the ways of the points around it. So a way can be continued by the way from its end, which doubles
 // it. All ways have the same length in the grid, so the ways of neighbouring points end side by side and can
 // be averaged.
+
+#include "passes/ways.glsl"
+#include "shared/cell.glsl"
 
 // The label of a point whose coordinates in the log map are not known yet. Other labels are the numbers of
 // sources.

@@ -2,14 +2,12 @@
 // of all ways for the next round. One invocation is one point.
 // Twin: none; tests compare log maps with those of src/geometry/directions.
 
-#include "shared/cell.glsl"
 #include "shared/times.glsl"
 
 layout(local_size_x = WORKGROUP) in;
 
-#include "passes/ways.glsl"
-#include "shared/source.glsl"
 #include "passes/log_map.glsl"
+#include "shared/source.glsl"
 
 // Least cosine of the angle between coordinates of neighbours that follow the same front.
 const float SAME_SIDE = 0.8;

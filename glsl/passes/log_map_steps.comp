@@ -2,11 +2,8 @@
 // direction is interpolated half a cell back, between grid points. One invocation is one point.
 // Twin: none; tests compare log maps with those of src/geometry/directions.
 
-#include "shared/cell.glsl"
-
 layout(local_size_x = WORKGROUP) in;
 
-#include "passes/ways.glsl"
 #include "passes/log_map.glsl"
 
 // Least cosine of the angle between the ways of neighbours that follow the same front.

@@ -3,27 +3,9 @@
 // source. One invocation is one point.
 // Twin: src/geometry/directions/departures.rs computes the same from maps of sources that move.
 
-#include "shared/edge_image.glsl"
-#include "shared/cell.glsl"
-#include "shared/times.glsl"
-#include "shared/start.glsl"
-#include "passes/path_cell.glsl"
-#include "passes/path_profile.glsl"
-#include "passes/path_places.glsl"
-#include "passes/local_metric.glsl"
-
 layout(local_size_x = WORKGROUP) in;
 
-#include "passes/ways.glsl"
-#include "shared/source.glsl"
 #define OPEN_ONLY
-#include "shared/seams.glsl"
-#include "shared/lattice.glsl"
-#include "passes/over_seams.glsl"
-const bool PASSES_POLES = false;
-#include "passes/path_copies.glsl"
-#include "passes/step_over_seams.glsl"
-#include "passes/path_line.glsl"
 #include "passes/way.glsl"
 #include "passes/log_map.glsl"
 

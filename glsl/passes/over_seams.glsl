@@ -1,5 +1,7 @@
-// Reads the lengths of edges and finds points beyond sides where the grid goes on. Include after edge_image.glsl
-// and lattice.glsl.
+// Reads the lengths of edges and finds points beyond sides where the grid goes on.
+
+#include "shared/edge_image.glsl"
+#include "shared/lattice.glsl"
 
 // Returns the length of the edge from a point to a neighbour. Either of them may lie beyond a side.
 float edge_over_seams(ivec2 point, ivec2 step) {

@@ -3,7 +3,6 @@
 // dispatch is the map's number; see exchange.glsl.
 // Twin: src/cpu/fronts/exchange.rs.
 
-#include "update/wavefront.glsl"
 #include "passes/pairwise_progress.glsl"
 #include "passes/pairwise_layers.glsl"
 #include "shared/groups.glsl"

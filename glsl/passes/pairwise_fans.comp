@@ -2,7 +2,6 @@
 // of points of a line.
 // Twin: Fan::of in src/cpu/pairwise.
 
-#include "update/wavefront.glsl"
 #include "shared/edge_image.glsl"
 #include "shared/surface_image.glsl"
 #include "passes/pairwise_fans.glsl"

@@ -1,7 +1,9 @@
 // Defines where the numbers of each pair of points lie in the buffer of fans, in the order in which scans visit
 // pairs. The fan of a pair is all that an update of its two points reads from the surface: lengths of edges, and
 // surface values. It is the same for all maps. A line of the grid is split into pairs of points, and a pair has a
-// place for each of the four scans. Include after wavefront.glsl.
+// place for each of the four scans.
+
+#include "update/wavefront.glsl"
 
 // Count of numbers stored for a pair of points a and b. They are the lengths of the edges to the three
 // neighbours behind a (before, beside and after it) and behind b (6), and the lengths of the three edges

@@ -2,7 +2,6 @@
 // dispatch is the map. In the first iteration of a map, each scan visits only the lines ahead of the map's source.
 // Twin: scan_outward in src/cpu/twins/scan.rs.
 
-#include "update/wavefront.glsl"
 #include "passes/pairwise_progress.glsl"
 #include "passes/pairwise_layers.glsl"
 #include "shared/groups.glsl"

@@ -2,7 +2,6 @@
 // one texel of one map, including texels of the border.
 // Twin: the start of a map in src/cpu.
 
-#include "update/wavefront.glsl"
 #include "passes/pairwise_progress.glsl"
 #include "passes/pairwise_layers.glsl"
 

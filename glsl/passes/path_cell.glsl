@@ -2,6 +2,9 @@
 // units of the cell's longest edge, so that products of squares stay within single precision.
 // Twin: src/geometry/paths/cell.rs, where the arithmetic is explained.
 
+#include "shared/edge_image.glsl"
+#include "shared/times.glsl"
+
 // Corners at both ends of each of a cell's sides: north, west, east and south.
 const ivec2 SIDES[4] = ivec2[](ivec2(0, 1), ivec2(0, 2), ivec2(1, 3), ivec2(2, 3));
 // Stands for the squared length of an edge that does not exist.

@@ -1,9 +1,13 @@
-// Finds the copies of a place: all places of the grid at which a glued surface has the same point. Include after
-// times.glsl, edge_image.glsl, seams.glsl and path_places.glsl.
+// Finds the copies of a place: all places of the grid at which a glued surface has the same point.
 // Twin: src/geometry/paths/seams.rs.
 //
 // The including shader defines
 //     bool PASSES_POLES     whether paths leave a pole from another of its copies
+
+#include "shared/times.glsl"
+#include "shared/edge_image.glsl"
+#include "shared/seams.glsl"
+#include "passes/path_places.glsl"
 
 // Points with more copies than this are poles. Lavapipe ends all loops of an invocation after 65,535 turns in total, so
 // the cells around every copy of a pole cannot be searched.

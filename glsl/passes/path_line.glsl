@@ -1,9 +1,14 @@
 // Finds the straight line on which the front arrives first at a place of a path. On a glued surface the line may
-// begin at a copy of the place. Include after times.glsl, path_cell.glsl, path_profile.glsl, path_places.glsl,
-// path_copies.glsl and source.glsl.
+// begin at a copy of the place.
 //
 // The including shader defines find_source(), and the push constant `slowed`.
 // Twin: src/geometry/paths/search.rs.
+
+#include "shared/cell.glsl"
+#include "shared/source.glsl"
+#include "passes/path_cell.glsl"
+#include "passes/path_profile.glsl"
+#include "passes/path_copies.glsl"
 
 // Twice the distance from 1 to the next number.
 const float ROUNDING = 2.4e-7;

@@ -3,6 +3,8 @@
 // edge's first end. So single precision suffices where the source is far away.
 // Twin: src/geometry/paths, where the choices are explained.
 
+#include "shared/times.glsl"
+
 struct Profile {
     float first; // time since the start, at the first end
     float last;  // at the other end

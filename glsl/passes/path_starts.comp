@@ -2,8 +2,6 @@
 // Twin: PathTracer::trace in src/geometry/paths.
 
 #include "shared/cell.glsl"
-#include "shared/times.glsl"
-#include "shared/curve.glsl"
 
 layout(local_size_x = WORKGROUP) in;
 

@@ -12,8 +12,9 @@ layout(push_constant) uniform Batch {
     int slowed;       // 1 if lengths are weighted by a slowness
 };
 
+#include "shared/times.glsl"
+#include "shared/curve.glsl"
 #include "shared/source.glsl"
-
 #include "passes/path_places.glsl"
 
 // Returns the column and row at which a path starts.

@@ -4,19 +4,10 @@
 // paths taut and traces again those that are too long. To leave pits of the map, the twin looks further than two grid
 // points.
 
-#include "shared/edge_image.glsl"
-#include "shared/cell.glsl"
-#include "shared/times.glsl"
-#include "shared/curve.glsl"
-#include "passes/path_cell.glsl"
-#include "passes/path_profile.glsl"
-
 layout(local_size_x = WORKGROUP) in;
 
 #include "passes/path_state.glsl"
-#include "shared/seams.glsl"
 const bool PASSES_POLES = true;
-#include "passes/path_copies.glsl"
 #include "passes/path_line.glsl"
 
 // Points coincide if they are nearer to one another than this, in units of their longest edges.

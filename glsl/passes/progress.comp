@@ -2,7 +2,6 @@
 // that have waited for the end of the iteration become due; see blocks.glsl. A single invocation is dispatched.
 // Twin: src/cpu/progress.rs.
 
-#include "shared/progress.glsl"
 #include "passes/count.glsl"
 #include "passes/blocks.glsl"
 

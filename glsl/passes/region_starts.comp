@@ -3,13 +3,9 @@
 // complements, so that zero means none, and are found by atomics whose order does not matter.
 // Twin: src/cpu/twins/regions.rs.
 
-#include "shared/edge_image.glsl"
-#include "shared/cell.glsl"
-
 layout(local_size_x = WORKGROUP) in;
 
 #include "passes/regions.glsl"
-#include "shared/source.glsl"
 #include "update/source_arrival.glsl"
 #include "shared/start.glsl"
 

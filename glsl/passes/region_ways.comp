@@ -3,7 +3,6 @@
 // One invocation is one point.
 // Twin: src/cpu/twins/regions.rs.
 
-#include "update/wavefront.glsl"
 #include "shared/edge_image.glsl"
 #include "shared/surface_image.glsl"
 #include "shared/times.glsl"

@@ -4,7 +4,6 @@
 
 #define WITH_ORIGINS
 #include "update/wavefront.glsl"
-#include "shared/progress.glsl"
 #include "passes/blocks.glsl"
 
 layout(local_size_x_id = 3) in;

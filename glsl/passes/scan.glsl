@@ -7,7 +7,6 @@
 // workgroup a neighbour is missing, so the results of one more texel become invalid with each line. The
 // workgroup beside it computes these texels too, and writes them.
 //
-// Include after wavefront.glsl.
 // Twin: src/cpu/twins/scan.rs.
 //
 // The including shader defines
@@ -31,6 +30,7 @@
 layout(constant_id = 0) const int AHEAD_X = 0;
 layout(constant_id = 1) const int AHEAD_Y = 1;
 
+#include "update/wavefront.glsl"
 #include "shared/edge_image.glsl"
 #include "shared/surface_image.glsl"
 #include "shared/groups.glsl"
@@ -99,30 +99,28 @@ bool is_across(ivec2 texel) {
     return PAIRS != 0 && (line_of_texel < middle) != (block_line < middle);
 }
 
+Behind second_lines(vec4 left, vec4 middle, vec4 right) {
+    return Behind(second_line(left, ahead), second_line(middle, ahead), second_line(right, ahead));
+}
+
 // Returns a layer on the line of points behind a texel.
 Behind layer_behind(ivec2 texel, int layer) {
     ivec3 at = place_of(texel - ahead, layer);
     ivec3 side = ivec3(along, 0);
     if (is_across(texel - ahead)) {
-        return Behind(second_line(imageLoad(old_fronts, at - side), ahead),
-                      second_line(imageLoad(old_fronts, at), ahead),
-                      second_line(imageLoad(old_fronts, at + side), ahead));
+        return second_lines(imageLoad(old_fronts, at - side), imageLoad(old_fronts, at), imageLoad(old_fronts, at + side));
     }
-    return Behind(second_line(imageLoad(new_fronts, at - side), ahead),
-                  second_line(imageLoad(new_fronts, at), ahead),
-                  second_line(imageLoad(new_fronts, at + side), ahead));
+    return second_lines(imageLoad(new_fronts, at - side), imageLoad(new_fronts, at), imageLoad(new_fronts, at + side));
 }
 
 Behind surface_behind(ivec2 texel) {
     ivec2 at = texel - ahead;
-    return Behind(second_line(surface_of(at - along), ahead), second_line(surface_of(at), ahead),
-                  second_line(surface_of(at + along), ahead));
+    return second_lines(surface_of(at - along), surface_of(at), surface_of(at + along));
 }
 
 Behind slowness_behind(ivec2 texel) {
     ivec2 at = texel - ahead;
-    return Behind(second_line(slowness_of(at - along), ahead), second_line(slowness_of(at), ahead),
-                  second_line(slowness_of(at + along), ahead));
+    return second_lines(slowness_of(at - along), slowness_of(at), slowness_of(at + along));
 }
 
 // The two lines of points that a scan updates in a texel.
@@ -215,11 +213,7 @@ bool pass_triangles(ivec2 point, NeighboursBehind behind, vec4 base_left, vec4 b
     if (passes(point, ahead)) {
         vec4 own_slowness = own.first.slowness;
         Places four = Places(point - along, along, 2 * along, ahead, along);
-#ifdef WITH_ORIGINS
         Fronts fronts = update_four(behind, own.first.surface, own_slowness, base_left, base_right, four);
-#else
-        Fronts fronts = update_four(behind, own.first.surface, own_slowness, base_left, base_right);
-#endif
         bvec4 left = are_obtuse_at_x0(behind.ends[0], behind.ends[1], own_slowness, behind.edges[0], behind.edges[1], base_left);
         bvec4 right = are_obtuse_at_x0(behind.ends[1], behind.ends[2], own_slowness, behind.edges[1], behind.edges[2], base_right);
         any_obtuse = any(either(left, right));
@@ -235,11 +229,7 @@ bool pass_triangles(ivec2 point, NeighboursBehind behind, vec4 base_left, vec4 b
         vec4 base = vec4(edge_length(point - along, along), edge_length(point, along),
                          edge_length(point, along), edge_length(point + along, along));
         Places pair = Places(point + ahead, along, ivec2(0), ahead, along);
-#ifdef WITH_ORIGINS
         Fronts fronts = update_pair(own.first, surface, slowness, l1, l2, base, pair);
-#else
-        Fronts fronts = update_pair(own.first, surface, slowness, l1, l2, base);
-#endif
         bvec4 obtuse = are_obtuse_in_pair(own.first, slowness, l1, l2, base);
         any_obtuse = any_obtuse || any(obtuse);
         add_parts(pair, obtuse, obtuse.zwxy, fronts);

@@ -5,7 +5,6 @@
 // Twin: the start of a map in src/cpu.
 
 #include "update/tag.glsl"
-#include "shared/progress.glsl"
 
 layout(local_size_x = WORKGROUP) in;
 
@@ -49,13 +48,5 @@ void main() {
         return;
     }
     uint urgency = urgency_of(min(min(times.x, times.y), min(times.z, times.w)));
-    ivec2 tile_grid = tiles_of(texels);
-    ivec2 low = tile_with(texel - 1, tile_grid);
-    ivec2 high = tile_with(texel + 1, tile_grid);
-    for (int row = low.y; row <= high.y; row++) {
-        for (int col = low.x; col <= high.x; col++) {
-            uint tile = uint(row_major(ivec2(col, row), tile_grid.x));
-            enlist(tile, urgency, 0u, uint(tile_grid.x * tile_grid.y));
-        }
-    }
+    enlist_around(texel - 1, texel + 1, urgency, 0u, tiles_of(texels));
 }

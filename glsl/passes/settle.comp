@@ -4,8 +4,6 @@
 // next recording reads it.
 // Twin: Tiles::settle in src/cpu/twins/tile_round.rs.
 
-#include "shared/progress.glsl"
-
 layout(local_size_x = WORKGROUP) in;
 
 layout(push_constant) uniform Recording {

@@ -4,8 +4,6 @@
 // Twin: Sources::seeds in src/surface/sources.
 
 #include "update/tag.glsl"
-#include "shared/edge_image.glsl"
-#include "shared/cell.glsl"
 #include "shared/seed_texel.glsl"
 #include "shared/progress.glsl"
 
@@ -26,7 +24,6 @@ layout(push_constant) uniform Portion {
 const int OVER_COLUMNS = 1;
 const int OVER_ROWS = 2;
 
-#include "shared/source.glsl"
 #include "update/source_arrival.glsl"
 
 // Moves a place from a side of the grid to the opposite one. Returns whether the place lies on a side at

@@ -1,7 +1,10 @@
-// Computes the metric at points of seams, and carries steps from a point to its copies. Include after seams.glsl,
-// over_seams.glsl and local_metric.glsl.
+// Computes the metric at points of seams, and carries steps from a point to its copies.
 // Twins: turn_at_copy() in src/surface/gluing/places.rs; at_copy() in src/geometry/directions/ways.rs, where positions
 // are known.
+
+#include "shared/seams.glsl"
+#include "passes/over_seams.glsl"
+#include "passes/local_metric.glsl"
 
 // Returns the metric at a grid point, from edges on both sides of a seam where the grid goes on.
 Metric metric_over_seams(ivec2 at, float unit) {
@@ -12,27 +15,19 @@ Metric metric_over_seams(ivec2 at, float unit) {
     return metric_of_edges(vec4(sizes[0], sizes[2], sizes[1], sizes[3]), vec4(sizes[4], sizes[6], sizes[5], sizes[7]), unit);
 }
 
-// Moves a point of the first or last column to its copy in the other of these columns, and converts a step at the point
-// to the same step at the copy. Returns false if the grid does not go on there.
-bool cross_cols(inout ivec2 at, inout vec2 step) {
-    ivec2 last = grid - 1;
-    if (lattice.x == GRID_ENDS || (at.x != 0 && at.x != last.x)) return false;
-    at.x = last.x - at.x;
-    if (lattice.x == REVERSES) {
-        at.y = last.y - at.y;
-        step.y = -step.y;
-    }
-    return true;
-}
+const int OVER_COLS = 0;
+const int OVER_ROWS = 1;
 
-// Does the same as cross_cols() for the first and last row.
-bool cross_rows(inout ivec2 at, inout vec2 step) {
+// Moves a point of the first or last column (OVER_COLS) or row to its copy in the other of these, and converts a step at
+// the point to the same step at the copy. Returns false if the grid does not go on there.
+bool cross_side(int across, inout ivec2 at, inout vec2 step) {
+    int along = 1 - across;
     ivec2 last = grid - 1;
-    if (lattice.y == GRID_ENDS || (at.y != 0 && at.y != last.y)) return false;
-    at.y = last.y - at.y;
-    if (lattice.y == REVERSES) {
-        at.x = last.x - at.x;
-        step.x = -step.x;
+    if (lattice[across] == GRID_ENDS || (at[across] != 0 && at[across] != last[across])) return false;
+    at[across] = last[across] - at[across];
+    if (lattice[across] == REVERSES) {
+        at[along] = last[along] - at[along];
+        step[along] = -step[along];
     }
     return true;
 }
@@ -73,10 +68,10 @@ vec2 step_at_copy(ivec2 from, ivec2 copy, vec2 step) {
     if (SEAMS == 0 || from == copy) return step;
     ivec2 at = from;
     vec2 turned = step;
-    if (cross_cols(at, turned) && at == copy) return turned;
-    if (cross_rows(at, turned) && at == copy) return turned;
+    if (cross_side(OVER_COLS, at, turned) && at == copy) return turned;
+    if (cross_side(OVER_ROWS, at, turned) && at == copy) return turned;
     at = from;
     turned = step;
-    if (cross_rows(at, turned) && at == copy) return turned;
+    if (cross_side(OVER_ROWS, at, turned) && at == copy) return turned;
     return step_over_fold(from, copy, step);
 }

@@ -12,9 +12,7 @@
 // Twin: src/cpu/twins/surroundings.rs.
 
 #include "update/wavefront.glsl"
-#include "shared/edge_image.glsl"
 #include "shared/surface_image.glsl"
-#include "shared/cell.glsl"
 #include "shared/seed_texel.glsl"
 
 layout(local_size_x = SURROUNDINGS_WORKGROUP) in;
@@ -30,7 +28,6 @@ layout(push_constant) uniform Portion {
     uint is_glued;  // whether fronts may leave the grid through its sides and come back
 };
 
-#include "shared/source.glsl"
 #include "update/source_arrival.glsl"
 
 // The window holds the points of the texels and a ring of points around them. The points of the ring are read, but stay

@@ -4,7 +4,6 @@
 // computed. One workgroup runs between two rounds of tiles, or between two iterations.
 // Twin: Limit::lower in src/cpu/limit.rs.
 
-#include "shared/progress.glsl"
 layout(push_constant) uniform Ends {
     ivec2 texels; // columns and rows of texels, without the border
     int tile_texels; // number of texels on a side of a tile

@@ -16,7 +16,6 @@
 #include "update/wavefront.glsl"
 #include "shared/edge_image.glsl"
 #include "shared/surface_image.glsl"
-#include "shared/progress.glsl"
 
 // Number of points along a side of a tile, and number of texels along it.
 layout(constant_id = 5) const int TILE = 16;
@@ -29,8 +28,7 @@ layout(local_size_x_id = 3, local_size_y = 4) in;
 // Largest number of iterations inside a tile.
 layout(constant_id = 4) const int INNER = 4;
 
-layout(set = 0, binding = 2, rgba32f) uniform restrict image2DArray fronts_1;
-layout(set = 2, binding = 0, rgba32f) uniform restrict image2DArray fronts_0;
+#include "passes/two_images.glsl"
 
 layout(push_constant) uniform Round {
     ivec2 texels; // columns and rows of texels, without the border
@@ -81,13 +79,7 @@ vec2 front_at(ivec2 point) {
     uint state = atomicOr(tiles[row_major(tile_with(texel, tile_grid), tile_grid.x)], 0u);
     vec4 time;
     vec4 held;
-    if (image_before(state, round) == 1u) {
-        time = imageLoad(fronts_1, ivec3(texel, TIME));
-        held = imageLoad(fronts_1, ivec3(texel, CARRIED));
-    } else {
-        time = imageLoad(fronts_0, ivec3(texel, TIME));
-        held = imageLoad(fronts_0, ivec3(texel, CARRIED));
-    }
+    load_fronts(image_before(state, round) == 1u, texel, time, held);
     return vec2(time[component_of(point)], held[component_of(point)]);
 }
 
@@ -128,13 +120,7 @@ Held held_at(int i, ivec2 tile, ivec2 tile_grid) {
     ivec2 texel = min(first_texel_of(tile) + texel_around(i), last_texel(texels));
     uint state = states[row_major(tile_with(texel, tile_grid) - tile + 1, 3)];
     Held held = Held(vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0));
-    if (image_before(state, round) == 1u) {
-        held.time = imageLoad(fronts_1, ivec3(texel, TIME));
-        if (CARRIES) held.carried = imageLoad(fronts_1, ivec3(texel, CARRIED));
-    } else {
-        held.time = imageLoad(fronts_0, ivec3(texel, TIME));
-        if (CARRIES) held.carried = imageLoad(fronts_0, ivec3(texel, CARRIED));
-    }
+    load_fronts(image_before(state, round) == 1u, texel, held.time, held.carried);
     if (CARRIES) held.surface = surface_of(texel);
     if (SLOWED != 0) held.slowness = slowness_of(texel);
     return held;
@@ -310,13 +296,7 @@ void main() {
         ivec2 in_tile = from_row_major(i, TEXELS);
         ivec2 texel = first_texel_of(tile) + in_tile;
         if (is_beyond(without_border(texel), texels)) continue;
-        if ((state & 1u) == 0u) {
-            imageStore(fronts_1, ivec3(texel, TIME), time[k]);
-            if (CARRIES) imageStore(fronts_1, ivec3(texel, CARRIED), held[k]);
-        } else {
-            imageStore(fronts_0, ivec3(texel, TIME), time[k]);
-            if (CARRIES) imageStore(fronts_0, ivec3(texel, CARRIED), held[k]);
-        }
+        store_fronts((state & 1u) == 0u, texel, time[k], held[k]);
         for (int j = 0; j < 4; j++) {
             has_reached = has_reached || (time_before[k][j] >= FAR && time[k][j] < FAR);
             uint by = change_of(vec4(time_before[k][j]), vec4(time[k][j]),

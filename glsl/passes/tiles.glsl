@@ -1,8 +1,9 @@
 // Manages tiles of TEXELS x TEXELS texels. A tile is due if a front in it or beside it has changed since its last
 // visit. Tiles are visited approximately in the order of the earliest arrival times that have changed, so that most
 // fronts do not have to be replaced later. A tile waits while the first tile is due much earlier (see waits()). Waiting
-// affects the order of visits, but not the map. Include after progress.glsl. The including shader defines TEXELS.
+// affects the order of visits, but not the map. The including shader defines TEXELS.
 
+#include "shared/progress.glsl"
 #include "shared/start.glsl"
 #include "shared/processor.glsl"
 #include "shared/groups.glsl"
@@ -74,6 +75,18 @@ void enlist(uint tile, uint urgency, uint for_round, uint count) {
     uint place = atomicAdd(rounds[of_round + 3u], 1u);
     tiles[(2u + (for_round & 1u)) * count + place] = tile;
     if (place % column_of(count) == 0u) atomicAdd(rounds[of_round], 1u);
+}
+
+// Puts all tiles with texels from `low` to `high` on the list for a round.
+void enlist_around(ivec2 low, ivec2 high, uint urgency, uint for_round, ivec2 tile_grid) {
+    ivec2 first = tile_with(low, tile_grid);
+    ivec2 last = tile_with(high, tile_grid);
+    for (int row = first.y; row <= last.y; row++) {
+        for (int col = first.x; col <= last.x; col++) {
+            uint tile = uint(row_major(ivec2(col, row), tile_grid.x));
+            enlist(tile, urgency, for_round, uint(tile_grid.x * tile_grid.y));
+        }
+    }
 }
 
 // Returns whether a tile must wait for the next round. On a GPU no tile waits on a short list, since a few tiles take

@@ -1,8 +1,15 @@
 // Finds the direction in which the way back leaves a grid point. Where squared times are smooth and the
 // source is not near, it is the direction of their steepest descent; elsewhere it is the direction of the
-// path's first line. Include after path_line.glsl, step_over_seams.glsl, start.glsl and ways.glsl.
+// path's first line.
 // Twin: src/geometry/directions/ways.rs. Behind corners, the twin subtracts the arrival time at the corner
 // before it squares times.
+
+#include "passes/ways.glsl"
+#include "shared/start.glsl"
+// At a pole, columns and rows have no common plane. So a way that leaves from another copy would be of no use.
+const bool PASSES_POLES = false;
+#include "passes/path_line.glsl"
+#include "passes/step_over_seams.glsl"
 
 // Largest change of second differences that counts as smooth, as a part of the squared length of a step.
 const float SMOOTH = 0.5;

@@ -4,9 +4,7 @@
 // atomics keep the smallest one whatever their order; see ways.glsl. One invocation is one source.
 // Counterpart: src/geometry/paths/goals.rs, which lists the sources of each cell.
 
-#include "shared/edge_image.glsl"
 #include "shared/cell.glsl"
-#include "shared/times.glsl"
 #include "shared/start.glsl"
 #include "passes/path_cell.glsl"
 

@@ -141,11 +141,6 @@ int component_of(ivec2 point) {
     return 2 * (point.y & 1) + (point.x & 1);
 }
 
-// Returns the step from a texel to one of the 3 x 3 texels around it.
-ivec2 around_texel(int index) {
-    return from_row_major(index, 3) - 1;
-}
-
 ivec2 first_point(ivec2 texel) {
     return 2 * texel;
 }

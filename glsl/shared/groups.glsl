@@ -1,8 +1,6 @@
 // Numbers the workgroups of a dispatch. No map may depend on the order in which a device runs them. CPUs run
 // them mostly in the order of their numbers, so tests assign the numbers in other orders.
 
-#ifndef GROUPS_GLSL
-#define GROUPS_GLSL
 // 0 for the device's numbers, -1 for the opposite order, and any other value for a random order.
 layout(constant_id = 16) const int GROUP_ORDER = 0;
 
@@ -29,4 +27,3 @@ uvec3 group_number() {
     uint place = in_group_order(id.x + groups.x * (id.y + groups.y * id.z), groups.x * groups.y * groups.z);
     return uvec3(place % groups.x, place / groups.x % groups.y, place / (groups.x * groups.y));
 }
-#endif

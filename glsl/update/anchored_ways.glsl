@@ -1,9 +1,11 @@
 // Implements the update of fronts with anchors, which is exact over floor plans. Nearly everywhere, all neighbours
 // behind a point have the same anchor. Such points are updated together, four at once. Other points are updated one
-// after another. Include after wavefront.glsl, edge_image.glsl, surface_image.glsl and splits.glsl.
+// after another.
 // Twin: src/update/anchored.rs, where the update is explained.
 
 #include "shared/processor.glsl"
+#include "shared/surface_image.glsl"
+#include "update/splits.glsl"
 #include "update/corner.glsl"
 
 // A path to a point: the arrival time there, the anchor's number, and the arrival time at the anchor.

@@ -1,7 +1,8 @@
+#include "update/wavefront.glsl"
+
 // Returns the place at which the ray to x0 crosses the base of its triangle, from 0 at x1 to 1 at x2. The result is 0
 // or 1 if the front comes along an edge, or if one end of the base has not been reached. `times` and `carried` are the
 // fronts at x1 and x2, `sides` the edges from there to x0, and `base` the length of the base.
-// Include after wavefront.glsl.
 // Twin: base_crossing in src/update.
 float base_crossing(vec2 times, vec2 carried, vec2 sides, float base) {
     bool swap = times.x < times.y;

@@ -1,31 +1,15 @@
 // Implements the curved update, for four triangles at once, where fronts of several origins meet. On maps with several
 // sources a front carries the number of its origin in place of a curvature, as long as its time agrees with the length
-// of the straight line from the origin. Include after curved.glsl and anchors.glsl.
+// of the straight line from the origin.
 // Twin: src/update/sight.rs, where the formulas are explained. The twin computes distances in double precision.
+
+#include "update/anchors.glsl"
 
 // Whether fronts of the map carry numbers of origins.
 layout(constant_id = 14) const int NAMED = 0;
 
 bvec4 are_numbers(vec4 carried) {
     return lessThanEqual(carried, vec4(-FIRST_ORIGIN));
-}
-
-// The points x0 of four triangles, by column and row, and the steps from each to x1 (first) and to x2 (second).
-struct Site {
-    vec4 col, row;
-    vec4 first_col, first_row;
-    vec4 second_col, second_row;
-};
-
-// Returns the site of four updates that have the same steps to x1 and x2.
-Site site_at(Places places, ivec2 first, ivec2 second) {
-    vec4 at = vec4(0.0, 1.0, 0.0, 1.0);
-    vec4 further = vec4(0.0, 0.0, 1.0, 1.0);
-    vec2 to_second = vec2(places.to_second);
-    vec2 to_third = vec2(places.to_third);
-    return Site(float(places.first.x) + at * to_second.x + further * to_third.x,
-                float(places.first.y) + at * to_second.y + further * to_third.y,
-                vec4(first.x), vec4(first.y), vec4(second.x), vec4(second.y));
 }
 
 // The origins of four fronts as seen from x0, in columns and rows. An origin is a point or a segment.
@@ -233,40 +217,4 @@ Fronts curved_from_origins(EndFronts end1, EndFronts end2, vec4 g0, vec4 l1, vec
     take_where_first(arrival, comes1, time1, carried_on(first, time1, end1.carried, g0, base));
     take_where_first(arrival, comes2, second.time, carried_on(second, second.time, end2.carried, g0, base));
     return arrival;
-}
-
-// Returns the fronts at x0 as update() does. `c` has the bases of obtuse triangles too.
-Fronts update_at(EndFronts end1, EndFronts end2, vec4 surface, vec4 slowness, vec4 l1, vec4 l2, vec4 c, bvec4 alone, Site site) {
-    // Where the slowness varies, fronts do not run along straight lines, and origins are not used.
-    bool named = NAMED != 0 && HAS_CURVATURE && SLOWED == 0 && any(either(are_numbers(end1.carried), are_numbers(end2.carried)));
-    if (named) return curved_from_origins(end1, end2, surface, l1, l2, c, alone, site);
-    bvec4 obtuse = are_obtuse_at_x0(end1, end2, slowness, l1, l2, c);
-    return update(end1, end2, surface, slowness, l1, l2, bases_of_acute(obtuse, c), alone);
-}
-
-// Return the fronts as update_four() and update_pair() in wavefront.glsl do. The positions `places` of the points are
-// needed to see origins from these points.
-Fronts update_four(NeighboursBehind sight, vec4 surface, vec4 slowness, vec4 base_left, vec4 base_right, Places places) {
-    bvec4 alone = are_alone(sight.edges[1]);
-    ivec2 back = -places.ahead;
-    Site left = site_at(places, back - places.along, back);
-    Site right = site_at(places, back, back + places.along);
-    return earlier(update_at(sight.ends[0], sight.ends[1], surface, slowness, sight.edges[0], sight.edges[1], base_left,
-                             alone, left),
-                   update_at(sight.ends[1], sight.ends[2], surface, slowness, sight.edges[1], sight.edges[2], base_right,
-                             alone, right));
-}
-
-Fronts update_pair(EndFronts behind, vec2 surface, vec2 slowness, vec4 l1, vec4 l2, vec4 base, Places places) {
-    EndFronts near = EndFronts(behind.time.xyyz, behind.carried.xyyz, behind.surface.xyyz, behind.slowness.xyyz);
-    EndFronts far = EndFronts(behind.time.yzzw, behind.carried.yzzw, behind.surface.yzzw, behind.slowness.yzzw);
-    ivec2 back = -places.ahead;
-    Site left = site_at(places, back - places.along, back);
-    Site right = site_at(places, back, back + places.along);
-    Site site = Site(left.col, left.row, vec4(left.first_col.xy, right.first_col.xy),
-                     vec4(left.first_row.xy, right.first_row.xy), vec4(left.second_col.xy, right.second_col.xy),
-                     vec4(left.second_row.xy, right.second_row.xy));
-    Fronts sided = update_at(near, far, surface.xyxy, slowness.xyxy, l1, l2, base, are_alone(l1.zwzw), site);
-    return earlier(Fronts(sided.time.xyxy, sided.carried.xyxy, sided.whole.xyxy),
-                   Fronts(sided.time.zwzw, sided.carried.zwzw, sided.whole.zwzw));
 }

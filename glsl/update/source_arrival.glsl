@@ -1,11 +1,14 @@
-// Computes when a source's front reaches the points around it. Include after edge_image.glsl, cell.glsl and
-// source.glsl.
+// Computes when a source's front reaches the points around it.
 //
 // The distance from a place in a cell to a corner follows from the lengths of the cell's edges and diagonals. Let the
 // place be p = sum of w_i p_i, with the positions p_i and weights w_i of the corners, and this corner be at 0. Then
 // |p|^2 = sum of w_i w_j <p_i, p_j>, and 2 <p_i, p_j> = |p_i|^2 + |p_j|^2 - |p_i - p_j|^2.
 // No positions are needed, and the lengths include the slowness.
 // Twin: Sources::seeds in src/surface/sources, in terms of positions.
+
+#include "shared/edge_image.glsl"
+#include "shared/cell.glsl"
+#include "shared/source.glsl"
 
 // The lengths of the edges between the corners a and b of a cell, at the index 4 a + b.
 struct Cell {

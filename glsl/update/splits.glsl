@@ -1,12 +1,15 @@
 // Computes fronts through the parts of obtuse triangles. Such a triangle is not updated as a whole. A grid point beyond
 // the triangle's base is unfolded into the triangle's plane, and splits the triangle into two parts. If no point splits
-// the triangle, only its edges are used. Include after wavefront.glsl and edge_image.glsl.
+// the triangle, only its edges are used.
 // Twin: src/surface/unfold.rs, where unfolding is explained.
 //
 // The including shader defines
 //     vec2 front_at(ivec2 point)          arrival time and carried value at any point of the grid
 //     float surface_at(ivec2 point)       surface value there
 //     float slowness_at(ivec2 point)      slowness there, if SLOWED is set
+
+#include "update/wavefront.glsl"
+#include "shared/edge_image.glsl"
 
 vec2 front_at(ivec2 point);
 
