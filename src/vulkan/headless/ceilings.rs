@@ -8,18 +8,19 @@ use ash::vk;
 use gpu_allocator::MemoryLocation;
 
 use super::context::{CommandBuffer, Context};
-use crate::constants::{LAYERS, WORKGROUP};
+use crate::constants::LAYERS;
 use crate::surface::Chart;
 use crate::update::Wavefront;
 use crate::vulkan::DeviceChoice;
 use crate::vulkan::device::barrier::{HOST_READ, PASS, TRANSFER_READ, TRANSFER_WRITE};
 use crate::vulkan::device::memory::{Buffer, BufferInfo};
 use crate::vulkan::device::passes::{CEILING_COPY, CEILING_UPDATES};
+use crate::vulkan::device::pipelines::Pipeline;
 use crate::vulkan::device::requirements;
 use crate::vulkan::device::shaders::{ceiling_copy, ceiling_updates};
 use crate::vulkan::grid_images::{GridImages, Purpose};
 use crate::vulkan::profile::Clock;
-use crate::vulkan::record::{Commands, Recorder};
+use crate::vulkan::record::{Commands, Groups, Recorder};
 use crate::vulkan::{VulkanError, embed};
 
 /// Best performance of a device, by the host's clock.
@@ -69,6 +70,8 @@ const ONE_GROUP: u64 = 64;
 /// Number of times each recording is submitted. The shortest time counts, since other work can only add to
 /// it.
 const TRIES: usize = 5;
+/// Reason why the probe has its images and pipelines.
+const MADE: &str = "a probe is made with its images and pipelines";
 
 impl DeviceCeilings {
     /// Measures a device, in about a second.
@@ -89,19 +92,12 @@ struct Probe<'a> {
     images: Option<GridImages>,
     /// Buffer in device memory, and buffer that the host reads.
     buffers: Vec<Buffer>,
-    copy: vk::Pipeline,
+    copy: Option<Pipeline<ceiling_copy::Push>>,
     /// Pipelines of the updates, by wavefront.
-    updates: Vec<vk::Pipeline>,
+    updates: Vec<Pipeline<ceiling_updates::Push>>,
     commands: CommandBuffer,
     /// Query pool; null if the queue writes no timestamps.
     timestamps: vk::QueryPool,
-}
-
-/// Texels of a pass, and the number of times that it repeats its updates from four triangles.
-#[derive(Clone, Copy)]
-struct Load {
-    texels: [u32; 2],
-    repeats: u32,
 }
 
 impl<'a> Probe<'a> {
@@ -112,7 +108,7 @@ impl<'a> Probe<'a> {
             solver: embed::Solver::new(instance, context.physical_device, device, &[])?,
             images: None,
             buffers: Vec::new(),
-            copy: vk::Pipeline::null(),
+            copy: None,
             updates: Vec::new(),
             commands: CommandBuffer::kept(context)?,
             timestamps: vk::QueryPool::null(),
@@ -135,9 +131,9 @@ impl<'a> Probe<'a> {
             let info = BufferInfo { name, size: READ_BACK as u64, location };
             new.buffers.push(Buffer::new(device, allocator, info)?);
         }
-        new.copy = pipelines.make(device, CEILING_COPY, Wavefront::Planar)?.handle;
+        new.copy = Some(pipelines.make(device, CEILING_COPY, Wavefront::Planar)?);
         for wavefront in Wavefront::FOR_ANY_SURFACE {
-            new.updates.push(pipelines.make(device, CEILING_UPDATES, wavefront)?.handle);
+            new.updates.push(pipelines.make(device, CEILING_UPDATES, wavefront)?);
         }
         let family = requirements::compute_queue_family(instance, context.physical_device)
             .expect("a context's device meets the requirements");
@@ -157,20 +153,19 @@ impl<'a> Probe<'a> {
         let texels = [SIDE as u32 / 2; 2];
         let copied = 2 * texels[0] * texels[1] * LAYERS * 16;
         let copy = self.each(|probe, commands| {
-            probe.dispatch(commands, probe.copy, Load { texels, repeats: 0 });
+            probe.copy(commands, texels, Groups::of(texels));
             probe.barrier(commands);
         })?;
         let mut triangles = [0.0; Wavefront::FOR_ANY_SURFACE.len()];
         for (wavefront, triangles) in Wavefront::FOR_ANY_SURFACE.into_iter().zip(&mut triangles) {
             let repeated = self.repeated(|probe, commands, repeats| {
-                let work = Load { texels: [COMPUTED; 2], repeats };
-                probe.dispatch(commands, probe.updates[wavefront as usize], work);
+                let update = probe.updates[wavefront as usize];
+                probe.update(commands, update, [COMPUTED; 2], repeats);
             })?;
             *triangles = f64::from(4 * COMPUTED * COMPUTED) / repeated.as_secs_f64();
         }
-        let nothing = Load { texels: [0, 1], repeats: 0 };
         let one_group = |probe: &Self, commands| {
-            probe.dispatch(commands, probe.copy, Load { texels: [1, 1], ..nothing });
+            probe.copy(commands, [1, 1], Groups::line(1));
             probe.barrier(commands);
         };
         let dispatch = self.each(one_group)?;
@@ -179,11 +174,11 @@ impl<'a> Probe<'a> {
             triangles,
             dispatch,
             indirect_dispatch: self.each(|probe, commands| {
-                probe.dispatch_indirect(commands, Load { texels: [1, 1], ..nothing }, ONE_GROUP);
+                probe.copy(commands, [1, 1], Groups::From(probe.buffers[0].buffer, ONE_GROUP));
                 probe.barrier(commands);
             })?,
             skipped_dispatch: self.each(|probe, commands| {
-                probe.dispatch_indirect(commands, nothing, NO_GROUP);
+                probe.copy(commands, [0, 1], Groups::From(probe.buffers[0].buffer, NO_GROUP));
                 probe.barrier(commands);
             })?,
             barrier: self.each(Self::barrier)?,
@@ -207,10 +202,12 @@ impl<'a> Probe<'a> {
                 device.cmd_fill_buffer(commands, groups, ONE_GROUP, vk::WHOLE_SIZE, 1);
             }
             recorder.barrier(TRANSFER_WRITE, PASS);
-            for &pipeline in self.updates.iter().chain([&self.copy]) {
-                self.dispatch(commands, pipeline, Load { texels: [1, 1], repeats: 1 });
+            for &update in &self.updates {
+                self.update(commands, update, [1, 1], 1);
                 self.barrier(commands);
             }
+            self.copy(commands, [1, 1], Groups::line(1));
+            self.barrier(commands);
         })
     }
 
@@ -219,7 +216,7 @@ impl<'a> Probe<'a> {
     }
 
     fn grid(&self) -> &GridImages {
-        self.images.as_ref().expect("they are there from the start")
+        self.images.as_ref().expect(MADE)
     }
 
     /// Returns the time of one of many equal parts of a recording.
@@ -316,41 +313,26 @@ impl<'a> Probe<'a> {
         }
     }
 
-    /// Records a dispatch with one invocation for each texel.
-    fn dispatch(&self, commands: vk::CommandBuffer, pipeline: vk::Pipeline, load: Load) {
-        self.bind(commands, pipeline, load);
-        let [width, height] = load.texels;
-        // SAFETY: a pipeline is bound with all that it sees, and the texels are the grid's.
-        unsafe { self.context.device.cmd_dispatch(commands, width.div_ceil(WORKGROUP), height, 1) };
+    /// Records a copy of a part of the fronts.
+    fn copy(&self, commands: vk::CommandBuffer, texels: [u32; 2], groups: Groups) {
+        let (recorder, copy) = (self.recording(commands), self.copy.expect(MADE));
+        recorder.bind(copy, self.grid().sets.writing[1]);
+        let push = ceiling_copy::Push { texels: texels.map(|texels| texels as i32) };
+        recorder.dispatch(copy, &push, groups);
     }
 
-    /// Records an indirect dispatch, whose numbers of workgroups lie at `offset` in the buffer.
-    fn dispatch_indirect(&self, commands: vk::CommandBuffer, load: Load, offset: u64) {
-        self.bind(commands, self.copy, load);
-        let groups = self.buffers[0].buffer;
-        // SAFETY: as above, and the buffer holds three numbers there.
-        unsafe { self.context.device.cmd_dispatch_indirect(commands, groups, offset) };
-    }
-
-    fn bind(&self, commands: vk::CommandBuffer, pipeline: vk::Pipeline, load: Load) {
-        let (device, pipelines) = (&self.context.device, &self.solver.pipelines);
-        // Both passes use the same set, and the push constants of the copy are the first part of the push
-        // constants of the updates.
-        let is_copy = pipeline == self.copy;
-        let shader = if is_copy { &ceiling_copy::SHADER } else { &ceiling_updates::SHADER };
-        let layout = pipelines.layout(shader);
-        let compute = vk::PipelineBindPoint::COMPUTE;
-        let texels = load.texels.map(|texels| texels as i32);
-        let constants = ceiling_updates::Push { texels, repeats: load.repeats };
-        // SAFETY: pipeline, layout and sets belong together and are alive, and the layout has room
-        // for the constants.
-        unsafe {
-            device.cmd_bind_pipeline(commands, compute, pipeline);
-            self.grid().sets.writing[1].bind(device, commands, layout);
-            let stages = vk::ShaderStageFlags::COMPUTE;
-            let constants = &bytemuck::bytes_of(&constants)[..shader.push_constant_bytes as usize];
-            device.cmd_push_constants(commands, layout, stages, 0, constants);
-        }
+    /// Records updates of texels from four triangles, repeated.
+    fn update(
+        &self,
+        commands: vk::CommandBuffer,
+        update: Pipeline<ceiling_updates::Push>,
+        texels: [u32; 2],
+        repeats: u32,
+    ) {
+        let recorder = self.recording(commands);
+        recorder.bind(update, self.grid().sets.writing[1]);
+        let push = ceiling_updates::Push { texels: texels.map(|texels| texels as i32), repeats };
+        recorder.dispatch(update, &push, Groups::of(texels));
     }
 }
 
@@ -371,8 +353,8 @@ mod tests {
 
     #[test]
     fn ceilings_are_measured_without_a_message_and_are_those_of_some_device() {
-        let device = std::env::var("GEOSWEEP_TEST_DEVICE").unwrap_or_default();
-        let context = Arc::new(Context::new(&DeviceChoice::Name(device), true).unwrap());
+        let context = Context::new(&super::super::testing::device(), true).unwrap();
+        let context = Arc::new(context);
         let ceilings = Probe::new(&context).unwrap().measure().unwrap();
         context.check_validation().unwrap();
         // The range is wide enough for any device, and narrow enough to detect a wrong unit.

@@ -10,7 +10,7 @@ use glam::DVec3;
 use gpu_allocator::MemoryLocation;
 
 use super::context::Context;
-use super::{HeadlessSolution, HeadlessSolver};
+use super::{HeadlessSolution, HeadlessSolver, testing};
 use crate::surface::builtin::Builtin;
 use crate::surface::{Chart, Gluing, Sources, Spacing, Surface};
 use crate::vulkan::copies;
@@ -18,7 +18,7 @@ use crate::vulkan::copies::tests::GroupOrder;
 use crate::vulkan::device::memory::{Buffer, BufferInfo};
 use crate::vulkan::embed;
 use crate::vulkan::schedules::raster;
-use crate::vulkan::{DeviceChoice, Method, Schedule, TileLanes, Tuning};
+use crate::vulkan::{Method, Schedule, TileLanes, Tuning};
 use crate::{Stop, Wavefront};
 
 /// The device's own order, the opposite order, and a random order; see `glsl/shared/groups.glsl`.
@@ -26,8 +26,7 @@ const ORDERS: [i32; 3] = [0, -1, 1];
 
 /// Returns a solver whose workgroups take their numbers in the order `group_order`.
 fn solver(group_order: i32, change: impl Fn(Tuning) -> Tuning) -> HeadlessSolver {
-    let device = std::env::var("GEOSWEEP_TEST_DEVICE").unwrap_or_default();
-    let context = Context::new(&DeviceChoice::Name(device), false).unwrap();
+    let context = Context::new(&testing::device(), false).unwrap();
     let mut solver = HeadlessSolver::with(context).unwrap();
     solver.for_device.pipelines.group_order = group_order;
     let tuning = change(solver.tuning());

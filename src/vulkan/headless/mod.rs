@@ -8,6 +8,8 @@ mod kept;
 pub(in crate::vulkan) mod solver;
 mod solving;
 pub(in crate::vulkan) mod surface_on_device;
+#[cfg(test)]
+pub(in crate::vulkan) mod testing;
 mod upload_surface;
 
 pub use ceilings::DeviceCeilings;

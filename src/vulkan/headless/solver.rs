@@ -205,28 +205,23 @@ mod tests {
     use ash::vk;
     use glam::DVec3;
 
+    use super::super::testing::{self, is_between_passes, validated as solver};
     use super::*;
     use crate::Stop;
-    use crate::surface::{Gluing, Seed, Sources, Spacing, Surface};
+    use crate::surface::{Gluing, Seed, Sources, Surface};
     use crate::update::Wavefront;
     use crate::vulkan::copies;
     use crate::vulkan::copies::tests::GroupOrder;
     use crate::vulkan::device::barrier::tests::without;
     use crate::vulkan::device::barrier::{
-        Access, PASS, SHADER, SHADER_WRITE, TRANSFER_READ, TRANSFER_WRITE,
+        Access, SHADER, SHADER_WRITE, TRANSFER_READ, TRANSFER_WRITE,
     };
     use crate::vulkan::{Method, Schedule};
 
     const STOP: Stop = Stop::within(1e-6).or_after(100);
 
-    fn solver() -> HeadlessSolver {
-        let device = std::env::var("GEOSWEEP_TEST_DEVICE").unwrap_or_default();
-        HeadlessSolver::with_validation(&DeviceChoice::Name(device)).unwrap()
-    }
-
     fn hill() -> Surface {
-        let heights = (0..40 * 30).map(|i| f64::from(i % 7 + i / 90).sin()).collect();
-        Surface::from_heights(40, 30, heights, Spacing::square(1.0)).unwrap()
+        testing::hill(40, 30, |i| i)
     }
 
     fn method(wavefront: Wavefront, schedule: Schedule) -> Method {
@@ -237,17 +232,13 @@ mod tests {
         Sources::point(3.0, 20.5).seeds(surface).unwrap()
     }
 
-    fn is_between_passes(before: Access, after: Access) -> bool {
-        (before, after) == (PASS, PASS)
-    }
-
     /// Checks that the validation layers are active. Without this a clean log would prove nothing.
     #[test]
     fn a_missing_barrier_is_reported() {
         let surface = hill();
         let seeds = seeds(&surface);
         for schedule in Schedule::ALL {
-            let mut solver = self::solver();
+            let mut solver = solver();
             let mut on_device = solver.upload(&surface).unwrap();
             let method = method(Wavefront::Planar, schedule);
             let result =
@@ -260,9 +251,7 @@ mod tests {
     /// Names in the layers' messages about a fault are those that a host's tools see.
     #[test]
     fn pipelines_have_names_while_profiling() {
-        let device = DeviceChoice::Name(std::env::var("GEOSWEEP_TEST_DEVICE").unwrap_or_default());
-        let context = Context::open(&device, true, Some(&[])).unwrap();
-        let mut solver = HeadlessSolver::with(context).unwrap();
+        let mut solver = testing::profiling();
         let surface = hill();
         let mut on_device = solver.upload(&surface).unwrap();
         let (method, seeds) = (method(Wavefront::Planar, Schedule::Raster), seeds(&surface));

@@ -51,6 +51,18 @@ pub struct HeadlessSolution {
     pub time: Duration,
 }
 
+impl HeadlessSolution {
+    /// Returns this solution with the work of an earlier one, on which it is based or which it replaces.
+    fn after(self, earlier: &Self) -> Self {
+        Self {
+            iterations: earlier.iterations + self.iterations,
+            visits: earlier.visits + self.visits,
+            time: earlier.time + self.time,
+            ..self
+        }
+    }
+}
+
 impl HeadlessSolver {
     /// Computes a map from `seeds`, which must lie on the surface.
     pub fn solve(
@@ -93,19 +105,18 @@ impl HeadlessSolver {
     ) -> Result<HeadlessSolution, VulkanError> {
         let is_used = self.schedule(surface, method) == Schedule::Raster;
         let margins = if is_used { &MARGINS[..] } else { &[] };
-        let (mut iterations, mut visits, mut time) = (0, 0, Duration::ZERO);
+        let mut before: Option<HeadlessSolution> = None;
         let times = margins.iter().map(|margin| estimate * margin);
         let tried = times.filter(|&time| time > 0.0 && time < method.radius);
         for radius in tried.map(Some).chain([None]) {
             let limited = method.with_radius(radius.unwrap_or(method.radius));
             let solution = self.solve_within(surface, seeds, limited, Some(targets))?;
-            iterations += solution.iterations;
-            visits += solution.visits;
-            time += solution.time;
+            let solution = before.iter().fold(solution, HeadlessSolution::after);
             let end = end_of(Some(targets), &solution.distances, surface.images.chart);
             if radius.is_none_or(|radius| end <= radius) || self.monitor.is_cancelled() {
-                return Ok(HeadlessSolution { iterations, visits, time, ..solution });
+                return Ok(solution);
             }
+            before = Some(solution);
         }
         unreachable!("the last attempt has no estimate")
     }
@@ -170,12 +181,7 @@ impl HeadlessSolver {
             let method = method.with_stop(method.stop.or_after(left));
             let from = (Start::FromLast, MapLimit::NONE);
             let further = self.solve_watched(surface, seeds, method, from, &mut Unwatched)?;
-            solution = HeadlessSolution {
-                iterations: solution.iterations + further.iterations,
-                visits: solution.visits + further.visits,
-                time: solution.time + further.time,
-                ..further
-            };
+            solution = further.after(&solution);
         }
         Ok(solution)
     }
@@ -499,10 +505,11 @@ const PASSES_AROUND: u32 = 8;
 mod tests {
     use ash::vk;
 
+    use super::super::testing;
     use super::*;
-    use crate::surface::{Sources, Spacing, Surface};
+    use crate::surface::Sources;
+    use crate::vulkan::Tuning;
     use crate::vulkan::profile::Profile;
-    use crate::vulkan::{DeviceChoice, Tuning};
     use crate::{Monitor, Stop};
 
     /// Submitter that cancels the map with one of its submissions.
@@ -538,12 +545,10 @@ mod tests {
     /// Each iteration has four parts. The recording of the further iterations is whole after the eighth submission.
     #[test]
     fn a_cancelled_map_ends_after_each_part() {
-        let device = std::env::var("GEOSWEEP_TEST_DEVICE").unwrap_or_default();
-        let solver = HeadlessSolver::with_validation(&DeviceChoice::Name(device)).unwrap();
+        let solver = testing::validated();
         let tuning = Tuning { visits: Some(1), ..solver.tuning() };
         let mut solver = solver.with_tuning(tuning).unwrap();
-        let heights = (0..40 * 30).map(|i| f64::from(i % 7 + i / 90).sin()).collect();
-        let surface = Surface::from_heights(40, 30, heights, Spacing::square(1.0)).unwrap();
+        let surface = testing::hill(40, 30, |i| i);
         let seeds = Sources::point(3.0, 20.0).seeds(&surface).unwrap();
         let stop = Stop::within(1e-6).or_after(200);
         let method = Method::new(Wavefront::Planar, stop).with_schedule(Schedule::Raster);

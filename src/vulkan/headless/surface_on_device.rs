@@ -80,6 +80,15 @@ impl SurfaceOnDevice {
         })
     }
 
+    /// Returns the wavefront itself, or the curved one where the surface does not allow it.
+    pub(in crate::vulkan) fn suited(&self, wavefront: Wavefront, has_anchors: bool) -> Wavefront {
+        match wavefront.or_curved(Setting::of_engine(has_anchors)) {
+            // Circles have no centre where rays bend.
+            Wavefront::Circular if self.slowed => Wavefront::Curved,
+            wavefront => wavefront,
+        }
+    }
+
     /// Returns the wavefront of a map, and what the fronts at its seeds carry in addition to their times.
     pub(in crate::vulkan) fn begin(
         &mut self,
@@ -95,11 +104,7 @@ impl SurfaceOnDevice {
         seeds.iter().for_each(|seed| self.origins.add(seed));
         // A map is continued with the fronts with which it was started.
         let has_anchors = self.anchors.is_some() && (!goes_on || self.is_anchored);
-        let wavefront = match wavefront.or_curved(Setting::of_engine(has_anchors)) {
-            // Circles have no centre where rays bend.
-            Wavefront::Circular if self.slowed => Wavefront::Curved,
-            wavefront => wavefront,
-        };
+        let wavefront = self.suited(wavefront, has_anchors);
         let is_anchored = wavefront == Wavefront::Anchored;
         if let Some(anchors) = self.anchors.as_mut().filter(|_| is_anchored) {
             if !goes_on {

@@ -11,7 +11,7 @@ use super::layout::{BatchLayout, BatchLimits};
 use super::pipelines::BatchPipelines;
 use super::resources::Resources;
 use super::{PairwiseOnDevice, PairwiseSchedule};
-use crate::update::{Setting, Wavefront};
+use crate::update::Wavefront;
 
 impl HeadlessSolver {
     /// Allocates resources for the maps of many sources of a surface. A batch has as many maps as suit the
@@ -34,13 +34,9 @@ impl HeadlessSolver {
         let (context, grid) = (&self.context, &surface.images);
         assert!(Arc::ptr_eq(context, &surface.context), "a surface of another solver");
         let (chart, texels) = (grid.chart, grid.texels);
-        let slowed = surface.slowed;
-        let wavefront = match wavefront.or_curved(Setting::of_engine(false)) {
-            Wavefront::Circular if slowed => Wavefront::Curved,
-            wavefront => wavefront,
-        };
+        let wavefront = surface.suited(wavefront, false);
         // Updates in shared memory read nothing but a point's neighbours and the lengths between them.
-        let schedule = match slowed || surface.splits || grid.copies.is_some() {
+        let schedule = match surface.slowed || surface.splits || grid.copies.is_some() {
             true => Some(PairwiseSchedule::Images),
             false => schedule,
         };

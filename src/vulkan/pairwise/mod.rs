@@ -332,34 +332,19 @@ mod tests {
     use super::*;
     use crate::Monitor;
     use crate::surface::{Gluing, Spacing, Surface};
-    use crate::vulkan::DeviceChoice;
     use crate::vulkan::device::barrier::tests::{number as barrier_number, without};
-    use crate::vulkan::device::barrier::{Access, PASS};
+    use crate::vulkan::headless::testing::{self, is_between_passes, validated as solver};
 
     const STOP: Stop = Stop::within(1e-6).or_after(100);
 
-    fn solver() -> HeadlessSolver {
-        let device = std::env::var("GEOSWEEP_TEST_DEVICE").unwrap_or_default();
-        HeadlessSolver::with_validation(&DeviceChoice::Name(device)).unwrap()
-    }
-
     fn hill() -> Surface {
-        heights(|i| i)
+        testing::hill(20, 30, |i| i)
     }
 
     /// Returns the hill with a copy of its first column in place of the last one. Both columns are glued.
     fn closed_hill() -> Surface {
-        heights(|i| i / 30 * 30 + i % 30 % 29).with_gluing(Gluing::columns()).unwrap()
-    }
-
-    /// Returns a surface whose point `i` has the height of the point `of(i)` on the hill.
-    fn heights(of: fn(u32) -> u32) -> Surface {
-        let heights = (0..20 * 30).map(of).map(|i| f64::from(i % 7 + i / 90).sin()).collect();
-        Surface::from_heights(20, 30, heights, Spacing::square(1.0)).unwrap()
-    }
-
-    fn is_between_passes(before: Access, after: Access) -> bool {
-        (before, after) == (PASS, PASS)
+        let hill = testing::hill(20, 30, |i| i / 30 * 30 + i % 30 % 29);
+        hill.with_gluing(Gluing::columns()).unwrap()
     }
 
     const SOURCES: [Option<usize>; 3] = [Some(15), None, Some(411)];
@@ -439,25 +424,10 @@ mod tests {
         assert!(whole > 1 && iterations() == 1, "{whole}");
     }
 
-    #[test]
-    fn a_missing_barrier_between_scans_is_reported() {
-        let (surface, solver) = (hill(), solver());
-        let on_device = solver.upload(&surface).unwrap();
-        let images = Some(PairwiseSchedule::Images);
-        let mut pairwise = solver.pairwise(&on_device, Wavefront::Planar, images).unwrap();
-        let result = without(is_between_passes, || {
-            pairwise.solve(&solver, &on_device, &SOURCES, STOP, &mut [0.0; 3 * 600])
-        });
-        let Err(VulkanError::Validation(messages)) = result else { panic!("{result:?}") };
-        assert!(messages.iter().any(|m| m.contains("SYNC-HAZARD-")), "{messages:?}");
-    }
-
-    /// Names in the layers' messages about a fault are those that a host's tools see.
+    /// A missing barrier between scans is reported, with the names that a host's tools see.
     #[test]
     fn passes_and_images_have_names_while_profiling() {
-        let device = DeviceChoice::Name(std::env::var("GEOSWEEP_TEST_DEVICE").unwrap_or_default());
-        let context = Context::open(&device, true, Some(&[])).unwrap();
-        let solver = HeadlessSolver::with(context).unwrap();
+        let solver = testing::profiling();
         let on_device = solver.upload(&hill()).unwrap();
         let images = Some(PairwiseSchedule::Images);
         let mut pairwise = solver.pairwise(&on_device, Wavefront::Planar, images).unwrap();
@@ -475,9 +445,7 @@ mod tests {
 
     #[test]
     fn profiles_leave_no_message_to_the_end() {
-        let device = DeviceChoice::Name(std::env::var("GEOSWEEP_TEST_DEVICE").unwrap_or_default());
-        let context = Context::open(&device, true, Some(&[])).unwrap();
-        let solver = HeadlessSolver::with(context).unwrap();
+        let solver = testing::profiling();
         let log = solver.validation_log().unwrap().clone();
         let on_device = solver.upload(&hill()).unwrap();
         for schedule in PairwiseSchedule::ALL {

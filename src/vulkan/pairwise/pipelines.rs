@@ -81,7 +81,8 @@ mod tests {
     use crate::surface::{Spacing, Surface};
     use crate::update::Wavefront;
     use crate::vulkan::headless::context::Context;
-    use crate::vulkan::{DeviceChoice, HeadlessSolver, PairwiseSchedule};
+    use crate::vulkan::headless::testing;
+    use crate::vulkan::{HeadlessSolver, PairwiseSchedule};
 
     static REAL: OnceLock<vk::PFN_vkCreateComputePipelines> = OnceLock::new();
     static MADE: AtomicU32 = AtomicU32::new(0);
@@ -103,8 +104,7 @@ mod tests {
 
     /// Returns a solver whose pipelines are counted.
     fn counted() -> HeadlessSolver {
-        let device = DeviceChoice::Name(std::env::var("GEOSWEEP_TEST_DEVICE").unwrap_or_default());
-        let mut context = Context::new(&device, true).unwrap();
+        let mut context = Context::new(&testing::device(), true).unwrap();
         REAL.get_or_init(|| context.device.fp_v1_0().create_compute_pipelines);
         let get = context.instance.handle.fp_v1_0().get_device_proc_addr;
         let handle = context.device.handle();

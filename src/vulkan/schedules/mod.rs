@@ -16,6 +16,7 @@ mod tiles;
 pub(in crate::vulkan) mod tuning;
 
 use super::{Schedule, TexelChart};
+use crate::constants::{SCANS_FOLLOW, TILES_FOLLOW};
 pub(super) use accounts::account;
 pub use accounts::planned;
 pub(crate) use accounts::records;
@@ -65,9 +66,9 @@ impl Schedule {
         self.order().passes()
     }
 
-    /// Returns [`Order::follows`].
+    /// Returns the passes that follow the seeds of a map, for which `glsl/passes/seed.comp` prepares.
     pub(crate) fn follows(self) -> u32 {
-        self.order().follows()
+        if self.has_rounds() { TILES_FOLLOW } else { SCANS_FOLLOW }
     }
 
     /// Returns whether the schedule runs rounds over lists of tiles that the device makes. Otherwise it runs

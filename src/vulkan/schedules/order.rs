@@ -19,9 +19,6 @@ pub(super) trait Order: Sync {
     /// has pipelines of its own for them.
     fn passes(&self) -> &'static [usize];
 
-    /// Returns `SCANS_FOLLOW` or `TILES_FOLLOW`: the passes for which `glsl/passes/seed.comp` prepares.
-    fn follows(&self) -> u32;
-
     /// Returns the steps of a recording; see [`crate::vulkan::Schedule::plan`].
     fn plan(
         &self,

@@ -3,7 +3,6 @@
 use super::iteration::{Iteration, along, block_number, lines_of, middle_block};
 use super::order::{Order, Steps};
 use super::plan::{Portions, Reached, Scan, ScanPair, ScanPass, Step};
-use crate::constants::SCANS_FOLLOW;
 use crate::vulkan::device::passes::SCANS;
 use crate::vulkan::device::shaders::progress::Push as Halves;
 use crate::vulkan::device::shaders::scan::Push;
@@ -21,10 +20,6 @@ impl Order for Raster {
         const PASSES: [usize; 4] =
             [SCANS[0].number(), SCANS[1].number(), SCANS[2].number(), SCANS[3].number()];
         &PASSES
-    }
-
-    fn follows(&self) -> u32 {
-        SCANS_FOLLOW
     }
 
     fn gains_by_surroundings(&self) -> bool {

@@ -5,7 +5,7 @@ use super::order::{Order, Steps};
 use super::plan::{Portions, Reached, Step};
 use super::progress;
 use super::progress::offset;
-use crate::constants::{ROUNDS, TILES_FOLLOW};
+use crate::constants::ROUNDS;
 use crate::vulkan::TexelChart;
 use crate::vulkan::device::barrier::{PASS, TRANSFER, TRANSFER_READ, TRANSFER_WRITE};
 use crate::vulkan::device::passes::{SETTLE, TILES};
@@ -32,10 +32,6 @@ impl Order for Tiles {
     fn passes(&self) -> &'static [usize] {
         const PASSES: [usize; 1] = [TILES.number()];
         &PASSES
-    }
-
-    fn follows(&self) -> u32 {
-        TILES_FOLLOW
     }
 
     fn has_rounds(&self) -> bool {
