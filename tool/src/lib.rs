@@ -13,7 +13,7 @@ pub mod choices;
 pub mod columns;
 pub mod command_line;
 mod commands;
-mod numbers;
+pub mod numbers;
 pub mod output;
 pub mod picture;
 mod pipelines;

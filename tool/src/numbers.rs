@@ -1,5 +1,7 @@
 //! Parses numbers in arguments.
 
+use std::ops::RangeInclusive;
+
 use geosweep::io::GridFrame;
 use geosweep::shown::{exact, excerpt};
 
@@ -10,6 +12,23 @@ pub struct Numbers(pub Vec<f64>);
 impl Numbers {
     pub fn parse(text: &str) -> Result<Self, String> {
         numbers(text).map(Self)
+    }
+}
+
+/// Returns a parser of a whole number in a range. `what` is what it counts, as in "points per side".
+pub fn whole(
+    what: &'static str,
+    range: RangeInclusive<usize>,
+) -> impl Fn(&str) -> Result<usize, String> + Clone + Send + Sync {
+    move |text| match text.trim().parse() {
+        Ok(number) if range.contains(&number) => Ok(number),
+        _ => {
+            let limits = match (range.start(), range.end()) {
+                (first, &usize::MAX) => format!("; give {first} or more"),
+                (first, last) => format!(" from {first} to {last}"),
+            };
+            Err(format!("`{}` is not a number of {what}{limits}", excerpt(text)))
+        }
     }
 }
 

@@ -1,19 +1,10 @@
 //! Parses lists in arguments: sizes, and the things to compare.
 
-use geosweep::shown::excerpt;
+use geosweep_cli::numbers::whole;
 
 /// Parses a number of points per side.
 pub fn size(text: &str) -> Result<usize, String> {
-    const RANGE: std::ops::RangeInclusive<usize> = 2..=16384;
-    match text.trim().parse() {
-        Ok(size) if RANGE.contains(&size) => Ok(size),
-        _ => Err(format!(
-            "`{}` is not a number of points per side from {} to {}",
-            excerpt(text),
-            RANGE.start(),
-            RANGE.end()
-        )),
-    }
+    whole("points per side", 2..=16384)(text)
 }
 
 /// Returns sizes in ascending order without duplicates.

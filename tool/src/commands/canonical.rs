@@ -13,11 +13,11 @@ use geosweep::io::{
     OutputFile, SquareMatrix, is_distance_matrix, read_matrix, write_npy, write_ply,
 };
 use geosweep::pairwise::Pairwise;
-use geosweep::shown::excerpt;
 use geosweep::surface::Chart;
 use geosweep::{Options, Wavefront};
 use serde::Serialize;
 
+use crate::numbers::whole;
 use crate::output::{Written, check_outputs, commit, done, stage_picture, wanted_png};
 use crate::picture::FormPicture;
 use crate::picture::scene::grid_triangles;
@@ -41,7 +41,7 @@ pub struct Args {
     matrix: bool,
     /// Use at most this many points of a grid: every second row and column, every third, and so on. Their
     /// distances are still computed on the whole grid
-    #[arg(long, value_name = "N", default_value_t = 5000, value_parser = points)]
+    #[arg(long, value_name = "N", default_value_t = 5000, value_parser = whole("points", 2..=MOST_POINTS))]
     #[arg(help_heading = "Surface")]
     points: usize,
 
@@ -86,13 +86,8 @@ Examples:
     )
 }
 
-/// Parses a number of points. The limit keeps the matrix of their distances small enough for memory.
-fn points(text: &str) -> Result<usize, String> {
-    match text.parse() {
-        Ok(points @ 2..=16384) => Ok(points),
-        _ => Err(format!("`{}` is not a number of points from 2 to 16384", excerpt(text))),
-    }
-}
+/// The largest number of points. The matrix of their distances must fit memory.
+const MOST_POINTS: usize = 16384;
 
 pub fn run(args: &Args) -> Outcome {
     let outputs = Outputs::new(args)?;

@@ -3,10 +3,9 @@
 use std::path::PathBuf;
 
 use geosweep::geometry::Levels;
-use geosweep::shown::excerpt;
 
 use super::level_curves::{LevelCurves, comment, contours_of, range};
-use crate::numbers::Numbers;
+use crate::numbers::{Numbers, whole};
 use crate::problem::{self, CurveFiles, ProblemArgs};
 use crate::terminal::Outcome;
 
@@ -38,18 +37,11 @@ struct LevelArgs {
     #[arg(allow_hyphen_values = true)]
     levels: Option<Numbers>,
     /// Curves at this many distances, equally spaced between the smallest and the largest
-    #[arg(long, value_name = "N", value_parser = count)]
+    #[arg(long, value_name = "N", value_parser = whole("distances", 1..=usize::MAX))]
     count: Option<usize>,
     /// Curves at all multiples of a distance
     #[arg(long, value_name = "D", allow_hyphen_values = true)]
     every: Option<f64>,
-}
-
-fn count(text: &str) -> Result<usize, String> {
-    match text.parse() {
-        Ok(count @ 1..) => Ok(count),
-        _ => Err(format!("`{}` is not a number of distances; give 1 or more", excerpt(text))),
-    }
 }
 
 fn examples() -> String {

@@ -12,7 +12,7 @@ use serde::Serialize;
 
 use super::labels::{labels_output, stage_labels};
 use super::samples::{Sample, farthest_points, middle};
-use crate::numbers::place;
+use crate::numbers::{place, whole};
 use crate::output::{check_outputs, commit, done, stage_picture};
 use crate::picture::{Look, Regions};
 use crate::problem::{CurveFiles, PictureArgs, Scene, SurfaceArgs, builtin_names};
@@ -29,7 +29,7 @@ pub struct Args {
     #[arg(required_unless_present_any = ["labels", "picture", "json"])]
     output: Vec<PathBuf>,
     /// Number of samples
-    #[arg(short = 'k', long, value_name = "K")]
+    #[arg(short = 'k', long, value_name = "K", value_parser = whole("samples", 1..=usize::MAX))]
     count: usize,
     /// First sample (default: the point next to the middle of the grid)
     #[arg(long, value_name = "R,C", value_parser = place, allow_hyphen_values = true)]
@@ -67,9 +67,6 @@ Examples:
 }
 
 pub fn run(args: &Args) -> Outcome {
-    if args.count == 0 {
-        return Err("0 samples are requested; give --count 1 or more".into());
-    }
     let files = CurveFiles::new(&args.output)?;
     let labels = labels_output(args.labels.as_ref())?;
     let picture = args.picture.output()?;

@@ -124,11 +124,7 @@ pub fn done_with(
     written: &Written,
 ) {
     let Report { points, reached, max_distance, .. } = report;
-    let engine = match (report.engine, &report.device) {
-        (_, Some(device)) => format!("Vulkan on {device}"),
-        (UsedEngine::Cpu, None) => "CPU".into(),
-        (other, None) => other.name().replace('-', " "),
-    };
+    let engine = engine_name(report.engine, report.device.as_deref());
     let engine = match report.fallback {
         Some(_) => format!("{engine}, since the GPU failed"),
         None => engine,
@@ -154,6 +150,15 @@ pub fn done_with(
     };
     let parts = [engine, points, format!("{iterations} in {time}"), largest];
     done(parts.into_iter().chain(made), written);
+}
+
+/// Names the engine that was used, with its device.
+pub fn engine_name(engine: UsedEngine, device: Option<&str>) -> String {
+    match (engine, device) {
+        (_, Some(device)) => format!("Vulkan on {device}"),
+        (UsedEngine::Cpu, None) => "CPU".into(),
+        (other, None) => other.name().replace('-', " "),
+    }
 }
 
 /// Describes how the computation of a map ended.

@@ -1,7 +1,5 @@
 //! Contours compared with the truth, and levels without a contour.
 
-use geosweep::glam::{DVec2, DVec3};
-use geosweep::surface::builtin::Builtin;
 use serde_json::Value;
 
 use crate::workbench::{Workbench, json, notes, stderr};

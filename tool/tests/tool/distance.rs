@@ -96,7 +96,7 @@ fn engines_and_fronts_can_be_chosen() {
         ("--engine cpu --wavefront point", "wavefront", "circular"),
     ] {
         let words = format!("distance builtin:sphere:33x33 -s 3,4 --json -o map.npy {words}");
-        let report = bench.json(words);
+        let report = bench.json(&words);
         assert_eq!(report[key], value, "{words}");
         let exact = Builtin::Sphere.exact_distances(33, 33, [3.0, 4.0]).unwrap();
         for (distance, exact) in bench.map("map.npy").iter().zip(exact) {
@@ -125,7 +125,7 @@ fn edges_can_be_arcs_or_chords() {
     let errors = ["", "--edges arc", "--edges chord"].map(|edges| {
         let words =
             format!("distance builtin:cylinder:33x33 -s 16,16 --engine cpu -o map.npy {edges}");
-        assert!(bench.run(words).status.success(), "{words}");
+        assert!(bench.run(&words).status.success(), "{words}");
         let map = bench.map("map.npy");
         let errors = map.iter().zip(&exact).map(|(distance, exact)| distance - exact);
         errors.sum::<f64>() / exact.iter().sum::<f64>()

@@ -5,7 +5,7 @@ use std::io::Cursor;
 use geosweep::glam::DVec2;
 use serde_json::Value;
 
-use crate::workbench::{Workbench, read, stderr};
+use crate::workbench::{Workbench, stderr};
 
 #[test]
 fn every_format_holds_the_same_curves() {

@@ -1,7 +1,6 @@
 //! Outputs of grids that go round the Earth: regions, ridges, one-sided offsets, estimated errors and matrices.
 
 use crate::geodetic::{GLOBE, Grid};
-use crate::vincenty::vincenty;
 use crate::workbench::{Workbench, map, stderr};
 
 /// Returns the rows of a matrix in a .npy file.

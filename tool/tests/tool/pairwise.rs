@@ -4,7 +4,7 @@ use std::fs;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-use crate::workbench::{Workbench, json, stderr, words};
+use crate::workbench::{Workbench, json, stderr};
 use assert_cmd::cargo::cargo_bin;
 use geosweep::io::{read_map, read_matrix};
 
@@ -114,7 +114,7 @@ fn an_interrupted_matrix_is_resumed_to_the_same_bytes() {
     let line = "pairwise builtin:peaks:40x40 --engine fast-marching --wavefront circular -o";
     let start = |name: &str| {
         let mut command = Command::new(cargo_bin!("geosweep"));
-        command.current_dir(bench.outputs.path()).args(words(line)).arg(name);
+        command.current_dir(bench.outputs.path()).args(line.split_whitespace()).arg(name);
         command.stderr(Stdio::piped());
         command
     };
@@ -172,7 +172,7 @@ fn an_interrupted_matrix_from_symmetry_leaves_nothing() {
     let line =
         "pairwise builtin:sphere:80x80 --wavefront circular --from-symmetry --symmetrize -o d.npy";
     let mut command = Command::new(cargo_bin!("geosweep"));
-    command.current_dir(bench.outputs.path()).args(words(line)).stderr(Stdio::piped());
+    command.current_dir(bench.outputs.path()).args(line.split_whitespace()).stderr(Stdio::piped());
     let mut child = command.spawn().unwrap();
     // The file exists after the handler of interruptions is installed.
     while !bench.output("d.npy.part").exists() {

@@ -20,16 +20,16 @@ fn sum(kinds: &[&Value], name: &str) -> u64 {
     kinds.iter().map(|kind| kind[name].as_u64().unwrap_or_else(|| panic!("{name}: {kind}"))).sum()
 }
 
-/// The grid has 31 x 25 texels. Each recorded iteration has four scans, visited or skipped.
+/// The grid has 31 x 25 texels. The library's tests hold the work of each pass against the plan.
 #[test]
-fn a_profile_counts_what_the_schedules_do() {
+fn a_profile_sums_the_passes_of_each_kind() {
     let bench = Workbench::new();
-    for (schedule, grain) in [
-        ("raster", "scans"),
-        ("raster", "blocks"),
-        ("raster", "iterations"),
-        ("raster", "portions"),
-        ("tiles", "scans"),
+    for (schedule, grain, kind, count) in [
+        ("raster", "scans", "scan ", 4),
+        ("raster", "blocks", "scan ", 4),
+        ("raster", "iterations", "iteration", 1),
+        ("raster", "portions", "portion", 1),
+        ("tiles", "scans", "tiles", 1),
     ] {
         let line = format!(
             "profile builtin:sphere:61x50 --source 30,20 --wavefront planar --schedule {schedule} \
@@ -39,66 +39,20 @@ fn a_profile_counts_what_the_schedules_do() {
         assert_eq!((&report["rows"], &report["cols"]), (&61.into(), &50.into()));
         assert_eq!((&report["schedule"], &report["runs"]), (&schedule.into(), &3.into()));
         assert_eq!(report["converged"], true);
-        let kinds: Vec<_> = report["kinds"].as_array().unwrap().iter().collect();
-        let with = |name: &str| -> Vec<_> {
-            kinds
-                .iter()
-                .copied()
-                .filter(|kind| kind["texels"].is_u64())
-                .filter(|kind| name.is_empty() || kind["name"].as_str().unwrap().starts_with(name))
-                .collect()
-        };
-        let visiting = with("");
+        let kinds = report["kinds"].as_array().unwrap();
+        let visiting: Vec<_> = kinds.iter().filter(|kind| kind["texels"].is_u64()).collect();
+        let is_meant = |found: &&Value| found["name"].as_str().unwrap().starts_with(kind);
+        let meant: Vec<_> = visiting.iter().copied().filter(is_meant).collect();
+        assert_eq!(meant.len(), count, "{grain}");
         let (visited, skipped) = (sum(&visiting, "texels"), sum(&visiting, "skipped"));
         if schedule == "raster" {
-            let iterations = report["iterations"].as_u64().unwrap();
             assert_eq!((visited + skipped) % (31 * 25), 0);
-            assert!(visited <= 4 * iterations * 31 * 25);
-            // The first iteration is bounded. The others skip blocks in which nothing can change.
-            assert!(visited > 2 * iterations * 31 * 25, "{visited} in {iterations} iterations");
-            let scans = with(match grain {
-                "iterations" => "iteration",
-                "portions" => "portion",
-                _ => "scan ",
-            });
-            assert_eq!(scans.len(), if matches!(grain, "scans" | "blocks") { 4 } else { 1 });
-            // An iteration ends with a count: seven numbers are read and five are written, two more in the
-            // last iteration. Blocks that are cleared do not count.
-            let [read, written] = match grain {
-                "iterations" | "portions" => [4 * 7 * iterations, 4 * 5 * iterations + 4 * 2],
-                _ => [0, 0],
-            };
-            let beyond = [
-                sum(&scans, "bytes_read") - visited * 80 - read,
-                sum(&scans, "bytes_written") - visited * 16 - written,
-            ];
-            // A portion also clears images, sets the sources and copies its decisions.
-            match grain {
-                "portions" => assert!(beyond.iter().all(|&bytes| bytes > 0), "{beyond:?}"),
-                _ => assert_eq!(beyond, [0; 2], "{grain}"),
-            }
-            assert_eq!(sum(&scans, "triangles"), visited * 8);
-            let records = sum(&scans, "count");
-            let dispatches = sum(&scans, "dispatches");
-            let expected = match grain {
-                "portions" => 1,
-                "iterations" => iterations,
-                // Scans in which no block is due are idle, and so are all scans beyond the last iteration.
-                "scans" => 4 * 4 - sum(&with("idle"), "count"),
-                _ => dispatches,
-            };
-            assert_eq!(records, expected, "{grain}");
-            assert!((2 * iterations..=4 * iterations).contains(&records) || grain != "scans");
-            // Lines fit a workgroup, so that a scan is one dispatch.
-            match grain {
-                "portions" | "iterations" => assert!(dispatches > 4 * iterations),
-                _ => assert_eq!(dispatches, records),
-            }
+            assert_eq!(sum(&meant, "triangles"), visited * 8);
+            assert!(sum(&meant, "bytes_read") >= visited * 80, "{grain}");
         } else {
             // Rounds of 4 x 4 tiles of 8 x 8 texels.
             assert_eq!((visited % 64, (visited + skipped) % (16 * 64)), (0, 0));
-            let tiles = with("tiles")[0];
-            assert!(tiles["triangles"].is_null(), "the device does not tell: {tiles}");
+            assert!(meant[0]["triangles"].is_null(), "the device does not tell: {report}");
         }
         times_fit(&report);
     }

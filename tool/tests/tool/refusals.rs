@@ -52,61 +52,36 @@ fn wrong_words_are_refused() {
     }
 }
 
+/// Tests of the library have every fault of every format.
 #[test]
 fn wrong_surfaces_are_refused_by_name() {
     let bench = Workbench::new();
-    let rgb = {
-        let mut bytes = Vec::new();
-        let mut encoder = png::Encoder::new(&mut bytes, 2, 2);
-        encoder.set_color(png::ColorType::Rgb);
-        encoder.write_header().unwrap().write_image_data(&[0; 12]).unwrap();
-        bytes
-    };
-    let npy = |descr: &str, shape: &str, data: usize| {
-        let header = format!("{{'descr': '{descr}', 'fortran_order': False, 'shape': {shape}}}\n");
-        let length = (header.len() as u16).to_le_bytes();
-        [b"\x93NUMPY\x01\x00", &length[..], header.as_bytes(), &vec![0; data]].concat()
-    };
-    let infinite = [0.0, 1.0, f64::INFINITY, 0.0];
-    bench.array("infinite.npy", &[2, 2], &infinite);
+    bench.array("infinite.npy", &[2, 2], &[0.0, 1.0, f64::INFINITY, 0.0]);
     bench.array("holes.npy", &[2, 2], &[f64::NAN; 4]);
     bench.array("cube.npy", &[2, 2, 2], &[0.0; 8]);
-    bench.array("line.npy", &[4], &[0.0; 4]);
     bench.array("indefinite.npy", &[2, 2, 2, 2], &[1.0, 2.0, 2.0, 1.0].repeat(4));
     bench.array("unknown.obj", &[2, 2], &[0.0; 4]);
     fs::create_dir(bench.inputs.path().join("folder.npy")).unwrap();
-    for (name, bytes) in [
-        ("empty.npy", &[][..]),
-        ("empty.png", &[]),
-        ("text.npy", b"0 1 2 3"),
-        ("text.tif", b"0 1 2 3"),
-        ("text.exr", b"0 1 2 3"),
-        ("rgb.png", &rgb),
-        ("cut.npy", &npy("<f8", "(3, 3)", 71)),
-        ("lie.npy", &npy("<f4", "(16384, 16384)", 64)),
-        ("huge.npy", &npy("<f4", "(4294967296, 4294967296)", 64)),
-        ("complex.npy", &npy("<c8", "(2, 2)", 32)),
-    ] {
-        bench.input(name, bytes);
+    let mut rgb = Vec::new();
+    let mut encoder = png::Encoder::new(&mut rgb, 2, 2);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.write_header().unwrap().write_image_data(&[0; 12]).unwrap();
+    bench.input("rgb.png", rgb);
+    for name in ["empty.png", "text.npy", "text.tif", "text.exr"] {
+        bench.input(name, if name.starts_with("text") { "0 1 2 3" } else { "" });
     }
     for (name, parts) in [
         ("missing.npy", &["cannot be read"][..]),
         ("folder.npy", &["is a folder"]),
         ("unknown.obj", &["unknown extension .obj", ".npy, .npz, .png, .tif, .asc or .exr"]),
-        ("empty.npy", &["empty"]),
         ("empty.png", &["empty"]),
+        ("rgb.png", &["Rgb", "only grey PNG"]),
         ("text.npy", &["no NumPy .npy file"]),
         ("text.tif", &["not a usable TIFF file"]),
         ("text.exr", &["not a usable EXR file"]),
-        ("rgb.png", &["Rgb", "only grey PNG"]),
-        ("cut.npy", &["needs 72 bytes, 71 are there"]),
-        ("lie.npy", &["cut short"]),
-        ("huge.npy", &["cut short"]),
-        ("complex.npy", &["<c8", "float32 or float64"]),
         ("infinite.npy", &["height at row 1, column 0 is infinite", "NaN"]),
         ("holes.npy", &["no point of the surface is left"]),
         ("cube.npy", &["(2, 2, 2)", "(M, N, 3)"]),
-        ("line.npy", &["(4)", "(M, N)"]),
         ("indefinite.npy", &["row 0, column 0", "positive definite"]),
     ] {
         let path = bench.inputs.path().join(name);

@@ -40,7 +40,7 @@ fn samples_are_far_from_one_another() {
 
     let bench = Workbench::new();
     for (rest, part) in [
-        ("-k 0", "--count 1"),
+        ("-k 0", "give 1 or more"),
         ("-k 3 --first 30,2", "--first 30,2 lies outside the grid"),
         ("-k 3 --first 3", "R,C"),
         ("", "--count"),

@@ -103,7 +103,7 @@ impl Workbench {
     }
 
     /// Returns the rows of a float64 array (K, 5) that was written, split where they are NaN.
-    fn curves(&self, name: &str) -> Vec<Vec<[f64; 5]>> {
+    pub fn curves(&self, name: &str) -> Vec<Vec<[f64; 5]>> {
         curves(&self.read(name))
     }
 

@@ -8,11 +8,11 @@ use std::process::ExitCode;
 use geosweep::geometry::canonical::{Distances, FormOptions, align, canonical_form};
 use geosweep::glam::DVec3;
 use geosweep::pairwise::Pairwise;
-use geosweep::shown::excerpt;
 use geosweep::surface::builtin::Builtin;
 use geosweep::{Options, Surface, Wavefront};
 use serde_json::json;
 
+use geosweep_cli::numbers::whole;
 use geosweep_cli::output::{commit, done, png_output, stage_picture};
 use geosweep_cli::picture::{FormPicture, Tile, tiled};
 use geosweep_cli::terminal::{List, Outcome, print_json, progress};
@@ -25,7 +25,7 @@ pub struct Args {
     #[arg(short, long, value_name = "FILE.png")]
     output: PathBuf,
     /// Columns of each grid; the face has a quarter more rows
-    #[arg(long, value_name = "N", default_value_t = 54, value_parser = columns)]
+    #[arg(long, value_name = "N", default_value_t = 54, value_parser = whole("columns", 9..=110))]
     size: usize,
     /// Print one JSON object; docs/json.md and docs/geosweep.schema.json describe it
     #[arg(long)]
@@ -48,13 +48,6 @@ Examples:
 const PANEL: [usize; 2] = [520, 460];
 /// The angles of the bendings from helicoid (0) to catenoid (90), in degrees, with their titles.
 const BENDINGS: [(f64, &str); 3] = [(0.0, "helicoid"), (45.0, "between both"), (90.0, "catenoid")];
-
-fn columns(text: &str) -> Result<usize, String> {
-    match text.parse() {
-        Ok(size @ 9..=110) => Ok(size),
-        _ => Err(format!("`{}` is not a number of columns from 9 to 110", excerpt(text))),
-    }
-}
 
 /// A surface and its canonical form as the figure shows them.
 struct Study {

@@ -257,13 +257,7 @@ fn converged_title(wavefront: Wavefront) -> String {
 }
 
 fn write_table(writer: &mut impl Write, rows: &[Row]) -> io::Result<()> {
-    writeln!(writer, "surface,wavefront,source,iterations,side,mean_relative_error")?;
-    for Row { surface, wavefront, source, iterations, side, mean_relative_error: error } in rows {
-        let source = match source {
-            Start::Point => "point",
-            Start::Disc => "disc",
-        };
-        writeln!(writer, "{surface},{wavefront},{source},{iterations},{side},{error:e}")?;
-    }
-    Ok(())
+    let mut table = csv::Writer::from_writer(writer);
+    rows.iter().try_for_each(|row| table.serialize(row))?;
+    table.flush()
 }

@@ -6,7 +6,6 @@ use std::path::PathBuf;
 
 use geosweep::cpu::Instructions;
 use geosweep::pairwise::{Pairwise, PairwiseReport};
-use geosweep::shown::excerpt;
 use geosweep::surface::builtin::Builtin;
 use geosweep::{Engine, Options, Surface, Wavefront};
 use serde::Serialize;
@@ -14,6 +13,7 @@ use serde::Serialize;
 use super::table::{Paper, on_a};
 use crate::lists;
 use crate::publication::Publication;
+use geosweep_cli::numbers::whole;
 use geosweep_cli::output::wanted_file;
 use geosweep_cli::terminal::{List, Outcome, progress};
 
@@ -25,14 +25,14 @@ pub struct Args {
     #[arg(short, long, value_name = "TABLE.md")]
     output: Option<PathBuf>,
     /// Points per side (default: those of the paper)
-    #[arg(long, value_name = "N,...", value_delimiter = ',', value_parser = side)]
+    #[arg(long, value_name = "N,...", value_delimiter = ',', value_parser = whole("points per side", 4..=128))]
     #[arg(default_values_t = PAPER.sides())]
     sizes: Vec<usize>,
     /// The built-in surface
     #[arg(long, value_name = "NAME", default_value = "sphere", value_parser = Builtin::parse)]
     surface: Builtin,
     /// Runs of each method, whose median counts
-    #[arg(long, value_name = "N", default_value_t = 10, value_parser = runs)]
+    #[arg(long, value_name = "N", default_value_t = 10, value_parser = whole("runs", 1..=1000))]
     runs: usize,
     /// Machine on which the times were measured, for the table
     #[arg(long, value_name = "TEXT")]
@@ -62,20 +62,6 @@ const PAPER: Paper<6, 2> = Paper([
     (60, [1.8539, 19.5472]),
     (64, [2.4762, 25.8347]),
 ]);
-
-fn side(text: &str) -> Result<usize, String> {
-    match text.trim().parse() {
-        Ok(side @ 4..=128) => Ok(side),
-        _ => Err(format!("`{}` is not a number of points per side from 4 to 128", excerpt(text))),
-    }
-}
-
-fn runs(text: &str) -> Result<usize, String> {
-    match text.parse() {
-        Ok(runs @ 1..=1000) => Ok(runs),
-        _ => Err(format!("`{}` is not a number of runs from 1 to 1000", excerpt(text))),
-    }
-}
 
 #[derive(Serialize)]
 struct Row {

@@ -5,9 +5,9 @@ use serde_json::Value;
 
 use crate::workbench::Workbench;
 
-const ACCURACY: &str = include_str!("../../../docs/figures/accuracy.md");
-const ACCURACY_DOUBLE: &str = include_str!("../../../docs/accuracy-double.md");
-const TABLE_2: &str = include_str!("../../../docs/figures/table-2.md");
+const ACCURACY: &str = include_str!("../../../../docs/figures/accuracy.md");
+const ACCURACY_DOUBLE: &str = include_str!("../../../../docs/accuracy-double.md");
+const TABLE_2: &str = include_str!("../../../../docs/figures/table-2.md");
 
 /// Returns the cells of a line of a Markdown table.
 fn cells(line: &str) -> Vec<&str> {

@@ -3,7 +3,7 @@
 use std::fs;
 use std::io::Cursor;
 
-use crate::workbench::{Workbench, json, stderr, words};
+use crate::workbench::{Workbench, stderr};
 use geosweep::Stop;
 use geosweep::accuracy::{Errors, exact_disc};
 use geosweep::cpu::raster_scan;
@@ -171,7 +171,7 @@ fn the_accuracy_report_says_what_the_library_computes() {
     let line = "accuracy --sizes 33,65 --json -o report.md --plots . --machine toaster --peers";
     let peers = "surface,size,solver,seconds,mean_error\nsphere,65,walker,0.25,1.5e-3\n";
     let peers = bench.input("peers.csv", peers);
-    let rows = json(&bench.run_args(words(line).into_iter().chain([peers.as_str()])));
+    let rows = bench.json(format!("{line} {peers}"));
     assert_eq!(bench.outputs(), ["accuracy-size.png", "accuracy-time.png", "report.md"]);
     for name in ["accuracy-size.png", "accuracy-time.png"] {
         let (width, height) = picture_size(&bench, name);

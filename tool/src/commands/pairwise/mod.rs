@@ -14,19 +14,20 @@ use geosweep::io::{
     Element, IoError, MatrixFile, MatrixLayout, OutputFile, Provenance, surface_checksum,
 };
 use geosweep::pairwise::{Pairwise, PairwiseReport, Rows};
-use geosweep::shown::excerpt;
 use geosweep::surface::EdgeLengths;
-use geosweep::{DEFAULT_TOLERANCE, DeviceChoice, Engine, Surface, UsedEngine};
+use geosweep::{DEFAULT_TOLERANCE, DeviceChoice, Engine, Surface};
 use indicatif::ProgressBar;
 use serde::Serialize;
 
 use super::labels::{labels_output, stage_labels};
 use super::samples::{Sample, farthest_points, middle};
 use crate::choices::one_of;
+use crate::numbers::whole;
 use crate::output::{Written, check_outputs, done, wanted_file};
 use crate::precision::Precision;
 use crate::problem::{
-    Scene, SolverArgs, SurfaceArgs, builtin_names, convergence, seconds, warn_of_no_convergence,
+    Scene, SolverArgs, SurfaceArgs, builtin_names, convergence, engine_name, seconds,
+    warn_of_no_convergence,
 };
 use crate::terminal::{Outcome, Spinner, print_json, progress_of_rows};
 use sources::RowsOf;
@@ -51,7 +52,7 @@ pub struct Args {
     /// to the middle of the grid. Each further one is the farthest from all before it, as in
     /// `geosweep sample`
     #[arg(long, value_name = "K", conflicts_with = "sources", help_heading = "Matrix")]
-    #[arg(value_parser = sample_size)]
+    #[arg(value_parser = whole("samples", 1..=usize::MAX))]
     sample: Option<usize>,
     /// With --sample, write the nearest sample of each point: .npy int32 (M, N), counted from 0, with -1 at
     /// holes and where no sample reaches
@@ -147,13 +148,6 @@ enum Stopped {
     Interrupted,
 }
 
-fn sample_size(text: &str) -> Result<usize, String> {
-    match text.parse() {
-        Ok(count @ 1..) => Ok(count),
-        _ => Err(format!("`{}` is not a number of samples; give 1 or more", excerpt(text))),
-    }
-}
-
 pub fn run(args: &Args) -> Outcome {
     if args.format == MatrixForm::Csr {
         return run_sparse(args);
@@ -238,11 +232,7 @@ pub fn run(args: &Args) -> Outcome {
     if !report.converged() {
         warn_of_no_convergence(&options, report.iterations, report.residual, report.tolerance);
     }
-    let engine = match (&report.device, report.engine) {
-        (Some(device), _) => format!("Vulkan on {device}"),
-        (None, UsedEngine::Cpu) => "CPU".into(),
-        (None, other) => other.name().replace('-', " "),
-    };
+    let engine = engine_name(report.engine, report.device.as_deref());
     let how = convergence(report.iterations, report.converged());
     let time = seconds(report.solve_time);
     let shape = format!("{} rows of {} distances", layout.rows, layout.cols);

@@ -21,7 +21,7 @@ pub struct Kind {
     pub median_pass_seconds: Option<f64>,
     /// The share of the time of all passes.
     pub share: Option<f64>,
-    /// The work of these passes in one map: here to `triangles`.
+    /// The work of these passes in one map: this and the next four.
     pub texels: Option<u64>,
     pub skipped: Option<u64>,
     pub bytes_read: Option<u64>,
