@@ -77,7 +77,7 @@ enum Command {
     /// Choose points that are far from one another
     Sample(Box<sample::Args>),
     /// Place a surface in space so that straight distances are close to those along it
-    Canonical(canonical::Args),
+    Canonical(Box<canonical::Args>),
     /// List the Vulkan devices, and why some cannot be used
     Devices(devices::Args),
     /// Compare two distance maps
