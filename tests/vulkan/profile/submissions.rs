@@ -1,9 +1,7 @@
 //! Maps whose iterations are cut into several submissions, since a submission may visit a limited number of texels.
 
 use geosweep::vulkan::profile::{Detail, Grain, PassKind, SolveProfile, SubmissionRecord};
-use geosweep::vulkan::{
-    HeadlessSolution, HeadlessSolver, Method, Schedule, TexelChart, Tuning, plan,
-};
+use geosweep::vulkan::{HeadlessSolution, HeadlessSolver, Method, Schedule, Tuning, plan};
 use geosweep::{Stop, Wavefront};
 
 use crate::common::{device_choice, rough, seeds_at, some_point, vulkan_solver};
@@ -63,7 +61,6 @@ fn iterations_are_cut_where_a_submission_would_visit_more_than_it_may() {
     let solver = in_parts(solver);
     let on_device = solver.upload(&surface).unwrap();
     let mut cut = Bench { surface, seeds, solver, on_device };
-    let chart = TexelChart::new(cut.surface.chart()).unwrap();
     for wavefront in [Wavefront::Planar, Wavefront::Curved] {
         let method = method(wavefront, Schedule::Raster);
         for grain in Grain::ALL {
