@@ -279,40 +279,58 @@ mod tests {
         Surface::from_positions(rows, cols, (0..rows * cols).map(point).collect()).unwrap()
     }
 
-    const COLUMNS: [GridSide; 2] = [GridSide::FirstColumn, GridSide::LastColumn];
-    const ROWS: [GridSide; 2] = [GridSide::FirstRow, GridSide::LastRow];
-
-    /// Returns the seam of columns that coincide, and that of columns one cell apart.
-    fn columns(reversed: bool) -> [Seam; 2] {
-        let sides = COLUMNS;
-        [Seam::Sides { sides, reversed }, Seam::Neighbours { sides, reversed }]
+    fn names(surface: &Surface) -> Vec<String> {
+        surface.seams().iter().map(Seam::to_string).collect()
     }
 
     fn tube(turns: f64) -> Surface {
         surface(9, 33, |v, u| DVec3::new((turns * TAU * u).cos(), (turns * TAU * u).sin(), 3.0 * v))
     }
 
-    /// Returns a tube whose positions are rounded to half precision.
-    fn rounded(rows: usize, cols: usize, height: f64) -> Surface {
+    #[test]
+    fn a_tube_is_closed_where_its_columns_coincide() {
+        assert_eq!(names(&tube(1.0)), ["its first column and its last column coincide"]);
+        // With a gap of one step, the last column is beside the first one. With a gap of three and a half steps, or an
+        // overlap of one, the tube is open.
+        let beside = "its first column and its last column are neighbours one cell apart";
+        assert_eq!(names(&tube(32.0 / 33.0)), [beside]);
+        assert!(tube(32.0 / 35.5).seams().is_empty());
+        assert!(tube(33.0 / 32.0).seams().is_empty());
+        // Rounded to half precision, the tube is still closed.
         let half = |x: f64| (1024.0 * x).round() / 1024.0;
-        surface(rows, cols, |v, u| {
-            DVec3::new(half((TAU * u + 2e-4).cos()), half((TAU * u - 2e-4).sin()), height * v)
-        })
+        let rough = surface(9, 33, |v, u| {
+            DVec3::new(half((TAU * u + 2e-4).cos()), half((TAU * u - 2e-4).sin()), 3.0 * v)
+        });
+        assert_eq!(rough.seams().len(), 1);
+        // Without one of the two columns, the tube is open.
+        let mask: Vec<_> = (0..9 * 33).map(|index| index % 33 != 32).collect();
+        assert!(tube(1.0).with_mask(&mask).unwrap().seams().is_empty());
     }
 
     #[test]
-    fn closed_surfaces_have_the_seams_where_their_sides_meet() {
-        let [seam, beside] = columns(false);
-        let [reversed, _] = columns(true);
+    fn a_moebius_strip_and_a_torus_are_closed() {
         let moebius = surface(9, 65, |v, u| {
             let (half_turn, across) = (PI * u, v - 0.5);
             let radius = 2.0 + across * half_turn.cos();
             DVec3::new(radius * (TAU * u).cos(), radius * (TAU * u).sin(), across * half_turn.sin())
         });
+        assert_eq!(
+            names(&moebius),
+            ["its first column and its last column coincide in reverse order"]
+        );
         let torus = surface(17, 33, |v, u| {
             let radius = 2.0 + (TAU * v).cos();
             DVec3::new(radius * (TAU * u).cos(), radius * (TAU * u).sin(), (TAU * v).sin())
         });
+        let closed = [
+            "its first row and its last row coincide",
+            "its first column and its last column coincide",
+        ];
+        assert_eq!(names(&torus), closed);
+    }
+
+    #[test]
+    fn a_ball_has_poles() {
         // In double precision the sine of a half turn is not 0.
         let ball = |sin: fn(f64) -> f64| {
             surface(17, 33, move |v, u| {
@@ -320,28 +338,12 @@ mod tests {
                 DVec3::new(radius * around.cos(), radius * around.sin(), (PI * v).cos())
             })
         };
-        let pole = |side: GridSide, exact| Seam::Pole { side, exact };
-        let [north, south] = [pole(GridSide::FirstRow, true), pole(GridSide::LastRow, true)];
-        let without_last: Vec<_> = (0..9 * 33).map(|index| index % 33 != 32).collect();
-        for (surface, seams) in [
-            (tube(1.0), vec![seam]),
-            // With a gap of one step, the last column is beside the first one. With a gap of three and a half steps, or
-            // an overlap of one, the tube is open.
-            (tube(32.0 / 33.0), vec![beside]),
-            (tube(32.0 / 35.5), vec![]),
-            (tube(33.0 / 32.0), vec![]),
-            (tube(1.0).with_mask(&without_last).unwrap(), vec![]),
-            (rounded(9, 33, 3.0), vec![seam]),
-            // Rows may lie closer to each other than the rounding of positions reaches.
-            (rounded(301, 17, 0.1), vec![seam]),
-            (moebius, vec![reversed]),
-            (torus, vec![Seam::Sides { sides: ROWS, reversed: false }, seam]),
-            (ball(f64::sin), vec![north, pole(GridSide::LastRow, false), seam]),
-            (ball(|x| if x == PI { 0.0 } else { x.sin() }), vec![north, south, seam]),
-        ] {
-            assert_eq!(surface.seams(), seams);
-        }
-        assert!(rounded(301, 17, 0.1).with_gluing(Gluing::columns()).is_ok());
+        let seam = "its first column and its last column coincide";
+        let [north, south] = ["its first row is a single point", "its last row is a single point"];
+        let nearly = "its last row is nearly a single point";
+        assert_eq!(names(&ball(f64::sin)), [north, nearly, seam]);
+        let exact = |x: f64| if x == PI { 0.0 } else { x.sin() };
+        assert_eq!(names(&ball(exact)), [north, south, seam]);
     }
 
     proptest! {
@@ -380,11 +382,12 @@ mod tests {
                 (0..hole).for_each(|row| positions[chart.index(row, 0)] = DVec3::NAN);
                 Surface::from_positions(rows, kept, positions).unwrap()
             };
-            let [_, seam] = columns(kind == 2);
+            let (columns, rows_too) = ([GridSide::FirstColumn, GridSide::LastColumn], [GridSide::FirstRow, GridSide::LastRow]);
+            let seam = Seam::Neighbours { sides: columns, reversed: kind == 2 };
             let found = middles(cols).seams();
             prop_assert!(found.contains(&seam), "{found:?}");
             // The rows of a torus turn too sharply if they are few or uneven.
-            let around = Seam::Neighbours { sides: ROWS, reversed: false };
+            let around = Seam::Neighbours { sides: rows_too, reversed: false };
             prop_assert!(found.iter().all(|found| *found == seam || kind == 1 && *found == around), "{found:?}");
             prop_assert!(!middles(cols - 2).seams().contains(&seam));
         }
@@ -402,15 +405,15 @@ mod tests {
                     DVec3::new(radius * angle.cos(), radius * angle.sin(), across * half.sin())
                 })
             };
-            for (twist, end, seams) in [
-                (0.0, 0.5, vec![]),
-                (0.0, 1.0, vec![columns(false)[0]]),
-                (0.5, 1.0, vec![columns(true)[0]]),
-                (0.0, 8.0 / 9.0, vec![columns(false)[1]]),
-                (0.5, 8.0 / 9.0, vec![columns(true)[1]]),
-            ] {
-                assert_eq!(band(twist, end).seams(), seams, "width {width}");
-            }
+            assert_eq!(names(&band(0.0, 0.5)), [""; 0], "width {width}");
+            let repeated = "its first column and its last column coincide";
+            assert_eq!(names(&band(0.0, 1.0)), [repeated], "width {width}");
+            let twisted = "its first column and its last column coincide in reverse order";
+            assert_eq!(names(&band(0.5, 1.0)), [twisted], "width {width}");
+            let beside = "its first column and its last column are neighbours one cell apart";
+            assert_eq!(names(&band(0.0, 8.0 / 9.0)), [beside], "width {width}");
+            let opposite = format!("{beside} in reverse order");
+            assert_eq!(names(&band(0.5, 8.0 / 9.0)), [opposite], "width {width}");
             for (strip, gluing) in [
                 (band(0.5, 1.0), Gluing::columns()),
                 (band(0.0, 1.0), Gluing::flipped_columns()),
@@ -426,6 +429,17 @@ mod tests {
         }
     }
 
+    /// The rows of a tube may lie closer to each other than the rounding of its positions reaches.
+    #[test]
+    fn a_tube_of_close_rows_is_closed_although_its_sides_are_rounded() {
+        let half = |x: f64| (1024.0 * x).round() / 1024.0;
+        let rough = surface(301, 17, |v, u| {
+            DVec3::new(half((TAU * u + 2e-4).cos()), half((TAU * u - 2e-4).sin()), 0.1 * v)
+        });
+        assert_eq!(names(&rough), ["its first column and its last column coincide"]);
+        assert!(rough.with_gluing(Gluing::columns()).is_ok());
+    }
+
     /// A square folded to a bag: a geometry image of a closed surface has such sides.
     #[test]
     fn the_halves_of_a_folded_side_coincide() {
@@ -439,18 +453,21 @@ mod tests {
     fn open_surfaces_have_no_seams() {
         for builtin in Builtin::ALL {
             let surface = builtin.surface(33, 33).unwrap();
-            assert_eq!(surface.seams(), [], "{builtin}");
+            assert!(surface.seams().is_empty(), "{builtin}: {:?}", names(&surface));
         }
         let flat = Surface::from_heights(5, 5, vec![0.0; 25], Spacing::square(1.0)).unwrap();
         assert!(flat.seams().is_empty());
         for (rows, cols) in [(1, 1), (1, 9), (9, 1), (2, 2), (2, 9)] {
-            let point = |index| {
-                let (row, col) = Chart { rows, cols }.position(index);
-                DVec3::new(col as f64, row as f64, 0.0)
-            };
-            let points = (0..rows * cols).map(point).collect();
-            let strip = Surface::from_positions(rows, cols, points).unwrap();
-            assert_eq!(strip.seams(), [], "{rows} x {cols}");
+            let strip = surface_of(rows, cols);
+            assert!(strip.seams().is_empty(), "{rows} x {cols}: {:?}", names(&strip));
         }
+    }
+
+    fn surface_of(rows: usize, cols: usize) -> Surface {
+        let point = |index| {
+            let (row, col) = Chart { rows, cols }.position(index);
+            DVec3::new(col as f64, row as f64, 0.0)
+        };
+        Surface::from_positions(rows, cols, (0..rows * cols).map(point).collect()).unwrap()
     }
 }
