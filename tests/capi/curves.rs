@@ -211,8 +211,9 @@ fn curves_of_a_plane_are_circles_and_rays() {
             }
             session.host.barrier(commands, Access::TRANSFER_WRITE, Access::HOST_READ);
         });
-        let near =
-            |found: f32, exact: f32| assert!((found - exact).abs() < 0.02, "{found} {exact}");
+        let near = |found: f32, exact: f32, most: f32| {
+            assert!((found - exact).abs() < most, "{found} {exact}");
+        };
         // Contours are segments of all levels.
         let (record, vertices) = curve(&lines, &copies[0], 0);
         assert!(
@@ -220,9 +221,10 @@ fn curves_of_a_plane_are_circles_and_rays() {
             "{record:?}"
         );
         for [x, y, z, time, row, col] in vertices {
-            assert_eq!([x, y, z], [col, row, 0.0]);
-            assert!(levels.contains(&time));
-            near(f32::hypot(row - 4.0, col - 6.0), time);
+            near(x, col, 1e-5);
+            near(y, row, 1e-5);
+            assert!(z == 0.0 && levels.contains(&time), "{z} {time}");
+            near(f32::hypot(row - 4.0, col - 6.0), time, 0.1);
         }
         for (number, place) in places.chunks(2).enumerate() {
             let (record, vertices) = curve(&strips, &copies[1], number);
@@ -230,8 +232,8 @@ fn curves_of_a_plane_are_circles_and_rays() {
             assert_eq!(vertices[0][4..], *place);
             assert_eq!(vertices[vertices.len() - 1][4..], [4.0, 6.0]);
             let exact = f32::hypot(place[0] - 4.0, place[1] - 6.0);
-            near(record.length, exact);
-            near(record.distance, exact);
+            near(record.length, exact, 1e-3);
+            near(record.distance, exact, 1e-3);
         }
         // The third path has no start.
         assert_eq!(curve(&strips, &copies[1], 2).0.status, GeosweepCurveStatus::Outside);
