@@ -33,46 +33,34 @@ pub(crate) type Copied = ((vk::Buffer, u64), (vk::Buffer, u64), u64);
 
 /// Purpose of a grid's images.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum Purpose<'a> {
-    /// Headless solving. Edges and sources come from the program's memory, and distances go back there. In
-    /// each direction they pass through a buffer of 4 bytes a point, up to 16 MiB. The upload buffer has room
-    /// for anchors after the edges. If the slowness of the surface is uneven, it is on the device too, 4
-    /// bytes a point. With [`Tuning::staged`] there are buffers in the host's memory too, of 12 bytes a point
-    /// together.
-    Headless { slowed: bool },
-    /// Embedding in a renderer. Everything stays on the device. `slots` is the number of frames in flight,
-    /// `results` the number of images of distances, and `families` are the queue families that use these
-    /// images. `lattice` says where the grid goes on beyond its sides.
-    Embedded { slots: usize, results: usize, families: &'a [u32], slowed: bool, lattice: Lattice },
+pub(crate) struct Purpose<'a> {
+    /// Whether the slowness of the surface is uneven. It then is on the device too, 4 bytes a point.
+    pub(crate) slowed: bool,
+    /// Number of frames in flight if the surface is embedded in a renderer, where everything stays on the device.
+    ///
+    /// In headless solving there are none. Edges and sources come from the program's memory, and distances go back
+    /// there. In each direction they pass through a buffer of 4 bytes a point, up to 16 MiB. The upload buffer has room
+    /// for anchors after the edges. With [`Tuning::staged`] there are buffers in the host's memory too, of 12 bytes a
+    /// point together.
+    pub(crate) slots: Option<usize>,
+    /// Number of images of distances.
+    pub(crate) results: usize,
+    /// Queue families that use images of distances and the map.
+    pub(crate) families: &'a [u32],
+    /// Where the grid goes on beyond its sides, if its points are measured on the device.
+    pub(crate) lattice: Lattice,
 }
 
 impl Purpose<'_> {
-    fn slots(self) -> usize {
-        match self {
-            Self::Headless { .. } => 0,
-            Self::Embedded { slots, .. } => slots,
-        }
+    /// Returns the purpose of headless solving.
+    pub(crate) fn headless(slowed: bool) -> Self {
+        Self { slowed, slots: None, results: 0, families: &[], lattice: Lattice::default() }
     }
 
     /// Returns whether what the program writes and reads passes through staging buffers. A renderer's frame
     /// reads and writes the renderer's own buffers.
     fn is_staged(self, tuning: Tuning) -> bool {
-        matches!(self, Self::Headless { .. }) && tuning.staged
-    }
-
-    /// Returns where the grid goes on, if its points are measured on the device.
-    fn lattice(self) -> Lattice {
-        match self {
-            Self::Headless { .. } => Lattice::default(),
-            Self::Embedded { lattice, .. } => lattice,
-        }
-    }
-
-    /// Returns whether there is a slowness beside the Gaussian curvature.
-    fn is_slowed(self) -> bool {
-        match self {
-            Self::Headless { slowed } | Self::Embedded { slowed, .. } => slowed,
-        }
+        self.slots.is_none() && tuning.staged
     }
 }
 
@@ -176,9 +164,9 @@ impl GridImages {
             texels,
             edges,
             gaussian,
-            slowed: purpose.is_slowed(),
-            lattice: purpose.lattice(),
-            slots: purpose.slots(),
+            slowed: purpose.slowed,
+            lattice: purpose.lattice,
+            slots: purpose.slots.unwrap_or(0),
             fronts: [fronts0, fronts1],
             results,
             progress,
@@ -365,12 +353,9 @@ fn image_infos(
 ) -> impl Iterator<Item = ImageInfo<'_>> {
     let grid =
         |name, extent, layers| ImageInfo { name, format: FORMAT, extent, layers, families: &[] };
-    let (results, families) = match purpose {
-        Purpose::Headless { .. } => (0, &[][..]),
-        Purpose::Embedded { results, families, .. } => (results, families),
-    };
+    let Purpose { slowed, results, families, .. } = purpose;
     let mut gaussian = texels.fronts_extent();
-    if purpose.is_slowed() {
+    if slowed {
         gaussian.width *= 2;
     }
     let extent = vk::Extent3D { width: chart.cols as u32, height: chart.rows as u32, depth: 1 };
@@ -394,8 +379,8 @@ fn buffer_infos(
 ) -> [BufferInfo; 6] {
     use MemoryLocation::{CpuToGpu, GpuOnly, GpuToCpu};
     let is_staged = purpose.is_staged(tuning);
-    let (upload, upload_location, outcomes, last) = match purpose {
-        Purpose::Headless { .. } => {
+    let (upload, upload_location, outcomes, last) = match purpose.slots {
+        None => {
             let upload = source_bytes(chart, is_staged) + ANCHOR_BYTES;
             let (most, locations) = match is_staged {
                 true => (staged_bytes(chart), [GpuOnly; 2]),
@@ -403,8 +388,8 @@ fn buffer_infos(
             };
             (upload, locations[0], 1, ("read-back", distance_bytes(chart, most), locations[1]))
         }
-        Purpose::Embedded { slots, lattice, .. } => {
-            let upload = upload_bytes(lattice.with_halo(chart), frame_bytes(chart));
+        Some(slots) => {
+            let upload = upload_bytes(purpose.lattice.with_halo(chart), frame_bytes(chart));
             // The additional record says how far the device has come.
             (upload, GpuOnly, slots + 1, ("sources", INLINE_SOURCES * SOURCE_BYTES, GpuOnly))
         }
@@ -453,7 +438,7 @@ mod tests {
             let texels = TexelChart::new(chart).unwrap();
             for staged in [false, true] {
                 let tuning = Tuning { staged, ..Tuning::ON_CPU };
-                let all = buffer_infos(chart, texels, tuning, Purpose::Headless { slowed: false });
+                let all = buffer_infos(chart, texels, tuning, Purpose::headless(false));
                 let beyond: Vec<_> = all
                     .into_iter()
                     .filter(|info| info.location != MemoryLocation::GpuOnly)

@@ -59,44 +59,18 @@ pub(crate) fn memory(
     if tests::is_left_out(before, after) {
         return;
     }
-    let barrier = vk::MemoryBarrier::default().src_access_mask(before.1).dst_access_mask(after.1);
+    let all = vk::MemoryBarrier::default().src_access_mask(before.1).dst_access_mask(after.1);
+    let none = vk::DependencyFlags::empty();
     // SAFETY: the command buffer is being recorded on this device.
     unsafe {
-        device.cmd_pipeline_barrier(
-            commands,
-            before.0,
-            after.0,
-            vk::DependencyFlags::empty(),
-            &[barrier],
-            &[],
-            &[],
-        );
+        device.cmd_pipeline_barrier(commands, before.0, after.0, none, &[all], &[], &[]);
     }
 }
 
-/// Transitions an image from one layout into another, between `before` and `after`.
-pub(crate) fn image(
-    device: &ash::Device,
-    commands: vk::CommandBuffer,
-    image: vk::Image,
-    before: Access,
-    after: Access,
-    layouts: (vk::ImageLayout, vk::ImageLayout),
-) {
-    let barrier = ImageBarrier { image, before, after, layouts };
-    let barrier = barrier.info();
-    // SAFETY: the command buffer is being recorded on the device that the image is from.
-    unsafe {
-        device.cmd_pipeline_barrier(
-            commands,
-            before.0,
-            after.0,
-            vk::DependencyFlags::empty(),
-            &[],
-            &[],
-            &[barrier],
-        );
-    }
+/// Transitions an image from one layout into another.
+pub(crate) fn image(device: &ash::Device, commands: vk::CommandBuffer, image: ImageBarrier) {
+    let none = vk::AccessFlags::NONE;
+    merged(device, commands, (image.before.0, none), (image.after.0, none), &[image]);
 }
 
 /// Barrier of an image with a transition of its layout.

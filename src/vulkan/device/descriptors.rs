@@ -11,12 +11,17 @@ use super::pipelines::Pipelines;
 use super::shaders::{count_of, set_0, set_1, set_2};
 use crate::vulkan::VulkanError;
 
-/// Index at which the host's sets are bound. `MAP` is the index of the sets of maps.
-const HOST: u32 = 1;
+/// Indices at which sets are bound: those of surfaces, of the host, and of maps.
+const SURFACE: u32 = 0;
+pub(crate) const HOST: u32 = 1;
 const MAP: u32 = 2;
 
 /// Number of sets in the layout of a pass, including the sets that the pass does not use.
 pub(crate) const SETS: u32 = MAP + 1;
+
+/// Kinds of the descriptors of each set.
+pub(crate) const KINDS: [&[vk::DescriptorType]; SETS as usize] =
+    [&set_0::KINDS, &set_1::KINDS, &set_2::KINDS];
 
 /// Returns the largest number of storage images, or of storage buffers, that a pass uses.
 pub(crate) const fn most_seen(kind: vk::DescriptorType) -> u32 {
@@ -99,18 +104,8 @@ impl GridSets {
         pipelines: &Pipelines,
         contents: Contents,
     ) -> Result<Self, VulkanError> {
-        let [surface, map] = [&set_0::KINDS[..], &set_2::KINDS];
-        let all = [surface, surface, map, map, &set_1::KINDS];
-        let mut new = Self { pool: pool(device, &all)?, ..Self::default() };
-        let [surface, map] = [pipelines.surface_set_layout, pipelines.map_set_layout];
-        let layouts = [surface, surface, map, map, pipelines.host_set_layout];
-        let sets = match allocate(device, new.pool, &layouts) {
-            Ok(sets) => sets,
-            Err(error) => {
-                new.destroy(device);
-                return Err(error);
-            }
-        };
+        let (pool, sets) = allocate(device, pipelines, &[SURFACE, SURFACE, MAP, MAP, HOST])?;
+        let mut new = Self { pool, read_back: sets[4], ..Self::default() };
         for writes in 0..2 {
             let (surface, map) = (sets[writes], sets[2 + writes]);
             new.writing[writes] = Sets { surface, other: (MAP, map) };
@@ -118,7 +113,6 @@ impl GridSets {
             pipelines.name(["writes fronts 0", "writes fronts 1"][writes], map);
             fill(device, (surface, map), writes, contents);
         }
-        new.read_back = sets[4];
         pipelines.name("distances", new.read_back);
         write_buffer(device, new.read_back, set_1::OUTPUT, contents.distances);
         Ok(new)
@@ -164,14 +158,8 @@ impl CopySets {
         by_rows: Option<(u64, u64)>,
     ) -> Result<Self, VulkanError> {
         let GridContents { sets: grid, edges, gaussian, fronts, progress } = contents;
-        let mut new = Self { pool: pool(device, &[&set_0::KINDS[..]; 3])?, ..Self::default() };
-        let sets = match allocate(device, new.pool, &[pipelines.surface_set_layout; 3]) {
-            Ok(sets) => sets,
-            Err(error) => {
-                new.destroy(device);
-                return Err(error);
-            }
-        };
+        let (pool, sets) = allocate(device, pipelines, &[SURFACE; 3])?;
+        let mut new = Self { pool, ..Self::default() };
         let fill = |surface, writes: usize| {
             write_image(device, surface, set_0::EDGES, edges);
             write_image(device, surface, set_0::GAUSSIANS, gaussian);
@@ -188,7 +176,8 @@ impl CopySets {
         if let Some(part) = by_rows {
             pipelines.name("reads fronts 0 and copies", sets[2]);
             fill(sets[2], 1);
-            write_part(device, sets[2], set_0::COPIES_BY_ROW, copies, part);
+            let part = (copies.buffer, part.0, part.1);
+            write_part(device, sets[2], set_0::COPIES_BY_ROW, part);
             new.by_rows = sets[2];
         }
         Ok(new)
@@ -208,39 +197,36 @@ impl CopySets {
     }
 }
 
-/// Allocates sets from a pool that has room for them.
-fn allocate(
+/// Allocates sets, given by the indices at which they are bound, from a new pool.
+pub(crate) fn allocate(
     device: &ash::Device,
-    pool: vk::DescriptorPool,
-    layouts: &[vk::DescriptorSetLayout],
-) -> Result<Vec<vk::DescriptorSet>, VulkanError> {
-    let info = vk::DescriptorSetAllocateInfo::default().descriptor_pool(pool).set_layouts(layouts);
-    // SAFETY: the caller has made sure that the pool has room for these sets.
-    unsafe { device.allocate_descriptor_sets(&info) }
-        .map_err(VulkanError::from_call("vkAllocateDescriptorSets"))
-}
-
-/// Creates a pool with room for sets, given by the kinds of their descriptors.
-fn pool(
-    device: &ash::Device,
-    sets: &[&[vk::DescriptorType]],
-) -> Result<vk::DescriptorPool, VulkanError> {
+    pipelines: &Pipelines,
+    wanted: &[u32],
+) -> Result<(vk::DescriptorPool, Vec<vk::DescriptorSet>), VulkanError> {
     let kinds = [
         vk::DescriptorType::STORAGE_IMAGE,
         vk::DescriptorType::STORAGE_BUFFER,
         vk::DescriptorType::SAMPLED_IMAGE,
     ];
     let size = |kind| {
-        let count = sets.iter().map(|set| count_of(kind, set)).sum();
+        let count = wanted.iter().map(|&set| count_of(kind, KINDS[set as usize])).sum();
         vk::DescriptorPoolSize::default().ty(kind).descriptor_count(count)
     };
     let sizes: Vec<_> =
         kinds.map(size).into_iter().filter(|size| size.descriptor_count > 0).collect();
     let info =
-        vk::DescriptorPoolCreateInfo::default().max_sets(sets.len() as u32).pool_sizes(&sizes);
+        vk::DescriptorPoolCreateInfo::default().max_sets(wanted.len() as u32).pool_sizes(&sizes);
     // SAFETY: nothing is borrowed beyond the call.
-    unsafe { device.create_descriptor_pool(&info, None) }
-        .map_err(VulkanError::from_call("vkCreateDescriptorPool"))
+    let pool = unsafe { device.create_descriptor_pool(&info, None) }
+        .map_err(VulkanError::from_call("vkCreateDescriptorPool"))?;
+    let layouts: Vec<_> = wanted.iter().map(|&set| pipelines.set_layouts[set as usize]).collect();
+    let info = vk::DescriptorSetAllocateInfo::default().descriptor_pool(pool).set_layouts(&layouts);
+    // SAFETY: the pool has room for these sets.
+    let sets = unsafe { device.allocate_descriptor_sets(&info) };
+    let sets = sets.map_err(VulkanError::from_call("vkAllocateDescriptorSets"));
+    // SAFETY: nothing uses the pool.
+    let sets = sets.inspect_err(|_| unsafe { device.destroy_descriptor_pool(pool, None) })?;
+    Ok((pool, sets))
 }
 
 /// Fills the sets of passes that write one of the images of fronts.
@@ -268,37 +254,38 @@ fn fill(
 }
 
 fn write_image(device: &ash::Device, set: vk::DescriptorSet, index: u32, image: &Image) {
-    let info = [vk::DescriptorImageInfo::default()
-        .image_view(image.view)
-        .image_layout(vk::ImageLayout::GENERAL)];
-    let write = blank(set, index, vk::DescriptorType::STORAGE_IMAGE).image_info(&info);
-    // SAFETY: set and image are alive, and no submitted work uses the set, which is new.
-    unsafe { device.update_descriptor_sets(&[write], &[]) };
+    let kind = vk::DescriptorType::STORAGE_IMAGE;
+    write_view(device, (set, index, kind), image.view, vk::ImageLayout::GENERAL);
 }
 
 fn write_buffer(device: &ash::Device, set: vk::DescriptorSet, index: u32, buffer: &Buffer) {
-    write_part(device, set, index, buffer, (0, vk::WHOLE_SIZE));
+    write_part(device, set, index, (buffer.buffer, 0, vk::WHOLE_SIZE));
 }
 
-/// Writes the part of a buffer with this offset and size.
-fn write_part(
+/// Writes a view of an image, in this layout, to the descriptor of this index and kind.
+pub(crate) fn write_view(
     device: &ash::Device,
-    set: vk::DescriptorSet,
-    index: u32,
-    buffer: &Buffer,
-    (offset, range): (u64, u64),
+    (set, index, kind): (vk::DescriptorSet, u32, vk::DescriptorType),
+    view: vk::ImageView,
+    layout: vk::ImageLayout,
 ) {
-    let info = vk::DescriptorBufferInfo { buffer: buffer.buffer, offset, range };
-    let info = [info];
-    let write = blank(set, index, vk::DescriptorType::STORAGE_BUFFER).buffer_info(&info);
-    // SAFETY: set and buffer are alive, and no submitted work uses the set, which is new.
+    let info = [vk::DescriptorImageInfo::default().image_view(view).image_layout(layout)];
+    let write = vk::WriteDescriptorSet::default().dst_set(set).dst_binding(index);
+    let write = write.descriptor_type(kind).image_info(&info);
+    // SAFETY: set and view are alive, and no submitted work uses the set.
     unsafe { device.update_descriptor_sets(&[write], &[]) };
 }
 
-fn blank<'a>(
+/// Writes the part of a buffer with this offset and size.
+pub(crate) fn write_part(
+    device: &ash::Device,
     set: vk::DescriptorSet,
     index: u32,
-    kind: vk::DescriptorType,
-) -> vk::WriteDescriptorSet<'a> {
-    vk::WriteDescriptorSet::default().dst_set(set).dst_binding(index).descriptor_type(kind)
+    (buffer, offset, range): (vk::Buffer, u64, u64),
+) {
+    let info = [vk::DescriptorBufferInfo { buffer, offset, range }];
+    let write = vk::WriteDescriptorSet::default().dst_set(set).dst_binding(index);
+    let write = write.descriptor_type(vk::DescriptorType::STORAGE_BUFFER).buffer_info(&info);
+    // SAFETY: set and buffer are alive, and no submitted work uses the set.
+    unsafe { device.update_descriptor_sets(&[write], &[]) };
 }

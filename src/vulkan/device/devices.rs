@@ -7,6 +7,14 @@ use super::instance::Instance;
 use super::requirements::{unmet, version_text};
 use crate::vulkan::VulkanError;
 
+/// Kinds of devices, from the best to the worst, with their names.
+const KINDS: [(vk::PhysicalDeviceType, &str); 5] = [
+    (vk::PhysicalDeviceType::DISCRETE_GPU, "discrete GPU"),
+    (vk::PhysicalDeviceType::INTEGRATED_GPU, "integrated GPU"),
+    (vk::PhysicalDeviceType::VIRTUAL_GPU, "virtual GPU"),
+    (vk::PhysicalDeviceType::CPU, CPU),
+    (vk::PhysicalDeviceType::OTHER, "other"),
+];
 /// Kind of a device that computes on the processor's cores.
 const CPU: &str = "CPU";
 
@@ -138,13 +146,10 @@ fn describe(instance: &ash::Instance, index: usize, device: vk::PhysicalDevice) 
     DeviceInfo {
         index,
         name: name.to_string_lossy().into_owned(),
-        kind: match properties.device_type {
-            vk::PhysicalDeviceType::DISCRETE_GPU => "discrete GPU",
-            vk::PhysicalDeviceType::INTEGRATED_GPU => "integrated GPU",
-            vk::PhysicalDeviceType::VIRTUAL_GPU => "virtual GPU",
-            vk::PhysicalDeviceType::CPU => CPU,
-            _ => "other",
-        },
+        kind: KINDS
+            .iter()
+            .find(|kind| kind.0 == properties.device_type)
+            .map_or("other", |kind| kind.1),
         api_version: version_text(properties.api_version),
         driver,
         unmet,
@@ -152,8 +157,7 @@ fn describe(instance: &ash::Instance, index: usize, device: vk::PhysicalDevice) 
 }
 
 fn rank(kind: &str) -> usize {
-    let order = ["discrete GPU", "integrated GPU", "virtual GPU", CPU];
-    order.iter().position(|&other| other == kind).unwrap_or(order.len())
+    KINDS.iter().position(|&(_, other)| other == kind).unwrap_or(KINDS.len())
 }
 
 #[cfg(test)]

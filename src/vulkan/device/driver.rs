@@ -1,7 +1,5 @@
 //! Reads the name and version of a driver, and knows drivers that compute wrong results.
 
-use std::ffi::CStr;
-
 use ash::vk;
 
 use super::requirements::API_VERSION;
@@ -21,12 +19,8 @@ pub(in crate::vulkan) fn words(
     // SAFETY: the physical device is from this instance and supports Vulkan 1.1; a driver that
     // does not know the second structure leaves it zero.
     unsafe { instance.get_physical_device_properties2(device, &mut properties) };
-    let text = |chars: &[std::ffi::c_char]| {
-        let bytes: Vec<u8> = chars.iter().map(|&char| char as u8).collect();
-        CStr::from_bytes_until_nul(&bytes)
-            .map_or(String::new(), |text| text.to_string_lossy().into())
-    };
-    let (name, info): (String, String) = (text(&driver.driver_name), text(&driver.driver_info));
+    let texts = [driver.driver_name_as_c_str(), driver.driver_info_as_c_str()];
+    let [name, info] = texts.map(|text| text.unwrap_or_default().to_string_lossy());
     format!("{name} {info}").trim().to_owned()
 }
 

@@ -1,10 +1,8 @@
 //! Creates the Vulkan instance that this crate owns.
 
-use std::ffi::CStr;
-
 use ash::{ext, khr, vk};
 
-use super::requirements::API_VERSION;
+use super::requirements::{API_VERSION, have};
 use super::validation;
 use super::validation::{Messenger, ValidationLog};
 use crate::vulkan::VulkanError;
@@ -37,9 +35,7 @@ impl Instance {
         // SAFETY: no layer's name is passed, so no pointer needs to stay valid.
         let offered = unsafe { entry.enumerate_instance_extension_properties(None) };
         let offered = offered.unwrap_or_default();
-        let offers = |name: &CStr| {
-            offered.iter().any(|extension| extension.extension_name_as_c_str() == Ok(name))
-        };
+        let offers = |name| have(&offered, name);
         let debug_utils = labels && offers(ext::debug_utils::NAME);
         let mut extensions = Vec::new();
         let mut info = vk::InstanceCreateInfo::default().application_info(&application);

@@ -65,13 +65,9 @@ impl Image {
     ) -> Result<Self, VulkanError> {
         let image = info.create(device)?;
         let mut new = Self { image, view: vk::ImageView::null(), block: None };
-        match new.back(device, allocator, info) {
-            Ok(()) => Ok(new),
-            Err(error) => {
-                new.destroy(device, allocator);
-                Err(error)
-            }
-        }
+        let backed = new.back(device, allocator, info);
+        backed.inspect_err(|_| new.destroy(device, allocator))?;
+        Ok(new)
     }
 
     fn back(
@@ -83,12 +79,11 @@ impl Image {
         // SAFETY: the image is from this device.
         let requirements = unsafe { device.get_image_memory_requirements(self.image) };
         let location = MemoryLocation::GpuOnly;
-        let block = allocate(allocator, name, requirements, location, false)?;
-        let (memory, offset) = block.place();
-        // SAFETY: the block was made for this image's requirements.
-        let bound = unsafe { device.bind_image_memory(self.image, memory, offset) };
-        self.block = Some(block);
-        bound.map_err(VulkanError::from_call("vkBindImageMemory"))?;
+        let wanted = MemoryRequest { name, requirements, location, is_buffer: false };
+        let (memory, offset) = allocate(allocator, wanted, &mut self.block)?;
+        // SAFETY: the memory was allocated for this image's requirements.
+        unsafe { device.bind_image_memory(self.image, memory, offset) }
+            .map_err(VulkanError::from_call("vkBindImageMemory"))?;
         let kind =
             if layers > 1 { vk::ImageViewType::TYPE_2D_ARRAY } else { vk::ImageViewType::TYPE_2D };
         let info = vk::ImageViewCreateInfo::default()
@@ -110,14 +105,73 @@ impl Image {
         // SAFETY: the caller has made sure that no submitted work uses the image; null handles
         // are allowed.
         unsafe {
-            device.destroy_image_view(self.view, None);
-            device.destroy_image(self.image, None);
+            device.destroy_image_view(std::mem::take(&mut self.view), None);
+            device.destroy_image(std::mem::take(&mut self.image), None);
         }
-        (self.view, self.image) = (vk::ImageView::null(), vk::Image::null());
-        if let Some(block) = self.block.take() {
-            allocator.free(block);
-        }
+        self.block.take().into_iter().for_each(|block| allocator.free(block));
     }
+}
+
+impl Buffer {
+    pub(crate) fn new(
+        device: &ash::Device,
+        allocator: &mut dyn DeviceMemory,
+        info: BufferInfo,
+    ) -> Result<Self, VulkanError> {
+        let mut new = Self { buffer: info.create(device)?, block: None };
+        let backed = new.back(device, allocator, info);
+        backed.inspect_err(|_| new.destroy(device, allocator))?;
+        Ok(new)
+    }
+
+    fn back(
+        &mut self,
+        device: &ash::Device,
+        allocator: &mut dyn DeviceMemory,
+        BufferInfo { name, location, .. }: BufferInfo,
+    ) -> Result<(), VulkanError> {
+        // SAFETY: the buffer is from this device.
+        let requirements = unsafe { device.get_buffer_memory_requirements(self.buffer) };
+        let wanted = MemoryRequest { name, requirements, location, is_buffer: true };
+        let (memory, offset) = allocate(allocator, wanted, &mut self.block)?;
+        // SAFETY: the memory was allocated for this buffer's requirements.
+        unsafe { device.bind_buffer_memory(self.buffer, memory, offset) }
+            .map_err(VulkanError::from_call("vkBindBufferMemory"))
+    }
+
+    pub(crate) fn bytes(&self) -> u64 {
+        self.block.as_ref().map_or(0, MemoryBlock::size)
+    }
+
+    /// Returns the buffer's memory for reading. The memory must be host-visible.
+    pub(crate) fn read(&self) -> &[u8] {
+        let bytes = self.block.as_ref().and_then(MemoryBlock::bytes);
+        bytes.expect("only buffers made host-visible are mapped")
+    }
+
+    /// Returns the buffer's memory for writing. The memory must be host-visible.
+    pub(crate) fn mapped(&mut self) -> &mut [u8] {
+        let bytes = self.block.as_mut().and_then(MemoryBlock::bytes_mut);
+        bytes.expect("only buffers made host-visible are mapped")
+    }
+
+    pub(crate) fn destroy(&mut self, device: &ash::Device, allocator: &mut dyn DeviceMemory) {
+        // SAFETY: the caller has made sure that no submitted work uses the buffer.
+        unsafe { device.destroy_buffer(std::mem::take(&mut self.buffer), None) };
+        self.block.take().into_iter().for_each(|block| allocator.free(block));
+    }
+}
+
+/// Allocates memory into `block`, and returns the place of the memory.
+fn allocate(
+    allocator: &mut dyn DeviceMemory,
+    wanted: MemoryRequest,
+    block: &mut Option<MemoryBlock>,
+) -> Result<(vk::DeviceMemory, u64), VulkanError> {
+    let what = wanted.name;
+    let new = allocator.allocate(&wanted);
+    let new = new.map_err(|source| VulkanError::Allocation { what, source })?;
+    Ok(block.insert(new).place())
 }
 
 /// Returns the usage of images of a format. Not all devices let shaders write images of two components, so
@@ -183,73 +237,4 @@ impl BufferInfo {
             Ok(requirements.size)
         }
     }
-}
-
-impl Buffer {
-    pub(crate) fn new(
-        device: &ash::Device,
-        allocator: &mut dyn DeviceMemory,
-        info: BufferInfo,
-    ) -> Result<Self, VulkanError> {
-        let mut new = Self { buffer: info.create(device)?, block: None };
-        match new.back(device, allocator, info) {
-            Ok(()) => Ok(new),
-            Err(error) => {
-                new.destroy(device, allocator);
-                Err(error)
-            }
-        }
-    }
-
-    fn back(
-        &mut self,
-        device: &ash::Device,
-        allocator: &mut dyn DeviceMemory,
-        BufferInfo { name, location, .. }: BufferInfo,
-    ) -> Result<(), VulkanError> {
-        // SAFETY: the buffer is from this device.
-        let requirements = unsafe { device.get_buffer_memory_requirements(self.buffer) };
-        let block = allocate(allocator, name, requirements, location, true)?;
-        let (memory, offset) = block.place();
-        // SAFETY: the block was made for this buffer's requirements.
-        let bound = unsafe { device.bind_buffer_memory(self.buffer, memory, offset) };
-        self.block = Some(block);
-        bound.map_err(VulkanError::from_call("vkBindBufferMemory"))
-    }
-
-    pub(crate) fn bytes(&self) -> u64 {
-        self.block.as_ref().map_or(0, MemoryBlock::size)
-    }
-
-    /// Returns the buffer's memory for reading. The memory must be host-visible.
-    pub(crate) fn read(&self) -> &[u8] {
-        let bytes = self.block.as_ref().and_then(MemoryBlock::bytes);
-        bytes.expect("only buffers made host-visible are mapped")
-    }
-
-    /// Returns the buffer's memory for writing. The memory must be host-visible.
-    pub(crate) fn mapped(&mut self) -> &mut [u8] {
-        let bytes = self.block.as_mut().and_then(MemoryBlock::bytes_mut);
-        bytes.expect("only buffers made host-visible are mapped")
-    }
-
-    pub(crate) fn destroy(&mut self, device: &ash::Device, allocator: &mut dyn DeviceMemory) {
-        // SAFETY: the caller has made sure that no submitted work uses the buffer.
-        unsafe { device.destroy_buffer(self.buffer, None) };
-        self.buffer = vk::Buffer::null();
-        if let Some(block) = self.block.take() {
-            allocator.free(block);
-        }
-    }
-}
-
-fn allocate(
-    allocator: &mut dyn DeviceMemory,
-    name: &'static str,
-    requirements: vk::MemoryRequirements,
-    location: MemoryLocation,
-    is_buffer: bool,
-) -> Result<MemoryBlock, VulkanError> {
-    let wanted = MemoryRequest { name, requirements, location, is_buffer };
-    allocator.allocate(&wanted).map_err(|source| VulkanError::Allocation { what: name, source })
 }

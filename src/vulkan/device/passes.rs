@@ -67,19 +67,11 @@ impl Row {
 }
 
 /// Pass whose push constants are of type `P`.
-#[derive(Debug)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Pass<P> {
     number: usize,
     constants: PhantomData<fn(P)>,
 }
-
-impl<P> Clone for Pass<P> {
-    fn clone(&self) -> Self {
-        *self
-    }
-}
-
-impl<P> Copy for Pass<P> {}
 
 impl<P: Pod> Pass<P> {
     const fn new(number: usize) -> Self {
@@ -97,16 +89,8 @@ impl<P: Pod> Pass<P> {
 }
 
 /// Pass for every surface and wavefront. A solver has its pipeline from the start.
-#[derive(Debug)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct CommonPass<P>(Pass<P>);
-
-impl<P> Clone for CommonPass<P> {
-    fn clone(&self) -> Self {
-        *self
-    }
-}
-
-impl<P> Copy for CommonPass<P> {}
 
 impl<P: Pod> CommonPass<P> {
     /// Returns the pass as a [`Pass`], as for passes that are not common.

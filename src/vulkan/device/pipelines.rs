@@ -10,12 +10,13 @@ use std::thread;
 use ash::vk;
 use bytemuck::Pod;
 
+use super::descriptors::{KINDS, SETS};
 use super::labels::Labels;
 use super::memory::Image;
 use super::passes::{
     CommonPass, MapSize, PUSH_CONSTANT_BYTES, Pass, Row, Specialization, TABLE, Variant,
 };
-use super::shaders::{Shader, set_0, set_1, set_2};
+use super::shaders::Shader;
 use crate::update::Wavefront;
 use crate::vulkan::{Tuning, VulkanError};
 
@@ -46,14 +47,10 @@ pub(crate) struct Pipelines {
     flags: vk::PipelineCreateFlags,
     /// Pipeline cache, locked while pipelines are created.
     cache: Mutex<Cache>,
-    /// Layout of the sets that every pass uses: a surface, and the fronts that are read.
-    pub(crate) surface_set_layout: vk::DescriptorSetLayout,
-    /// Layout of the sets with the host's images and buffers.
-    pub(crate) host_set_layout: vk::DescriptorSetLayout,
-    /// Layout of the sets with the resources in which a map is solved.
-    pub(crate) map_set_layout: vk::DescriptorSetLayout,
-    /// Empty layout, in the place of the host's sets for passes that use none.
-    no_set_layout: vk::DescriptorSetLayout,
+    /// Layouts of the sets, by the index at which they are bound ([`KINDS`]): a surface and the fronts that are read,
+    /// the host's images and buffers, and the resources in which a map is solved. The last one is empty, in the place
+    /// of the host's sets for passes that use none.
+    pub(crate) set_layouts: [vk::DescriptorSetLayout; SETS as usize + 1],
     /// Pipeline layouts of passes without and with a set of the host, by the number of words pushed. A layout
     /// has room for no more words than its passes push, so that each dispatch sets all of them.
     layouts: [[vk::PipelineLayout; SIZES_PUSHED]; 2],
@@ -130,31 +127,25 @@ impl Pipelines {
             labels,
             flags,
             cache: Mutex::new(Cache::of_host(vk::PipelineCache::null())),
-            surface_set_layout: vk::DescriptorSetLayout::null(),
-            host_set_layout: vk::DescriptorSetLayout::null(),
-            map_set_layout: vk::DescriptorSetLayout::null(),
-            no_set_layout: vk::DescriptorSetLayout::null(),
+            set_layouts: Default::default(),
             layouts: [[vk::PipelineLayout::null(); SIZES_PUSHED]; 2],
             made: TABLE.iter().map(|_| [const { OnceLock::new() }; Variant::COUNT]).collect(),
             sized: Mutex::default(),
             created: AtomicUsize::new(0),
         };
-        match new.create_layouts(device) {
-            Ok(()) => Ok(new),
-            Err(error) => {
-                new.destroy(device);
-                Err(error)
-            }
-        }
+        let created = new.create_layouts(device);
+        created.inspect_err(|_| new.destroy(device))?;
+        Ok(new)
     }
 
     fn create_layouts(&mut self, device: &ash::Device) -> Result<(), VulkanError> {
-        self.surface_set_layout = set_layout(device, &set_0::KINDS)?;
-        self.host_set_layout = set_layout(device, &set_1::KINDS)?;
-        self.map_set_layout = set_layout(device, &set_2::KINDS)?;
-        self.no_set_layout = set_layout(device, &[])?;
-        let of_map = [self.surface_set_layout, self.no_set_layout, self.map_set_layout];
-        let of_host = [self.surface_set_layout, self.host_set_layout];
+        let names = ["a surface's own", "what the host gives", "a map's own", "nothing"];
+        for (index, kinds) in KINDS.into_iter().chain([&[][..]]).enumerate() {
+            self.set_layouts[index] = set_layout(device, kinds)?;
+            self.name(names[index], self.set_layouts[index]);
+        }
+        let [surface, host, map, none] = self.set_layouts;
+        let (of_map, of_host) = ([surface, none, map], [surface, host]);
         for shader in TABLE.iter().map(|row| row.shader) {
             let bytes = shader.push_constant_bytes;
             let (sets, name): (&[_], _) = match shader.sees_host {
@@ -168,10 +159,6 @@ impl Pipelines {
                 self.name(name, layout);
             }
         }
-        self.name("a surface's own", self.surface_set_layout);
-        self.name("what the host gives", self.host_set_layout);
-        self.name("a map's own", self.map_set_layout);
-        self.name("nothing", self.no_set_layout);
         Ok(())
     }
 
@@ -184,21 +171,8 @@ impl Pipelines {
         &self.made[number][TABLE[number].place_of(variant)]
     }
 
-    /// Makes the pipelines of passes, given by their numbers in the table, unless they exist. Passes that
-    /// depend on the variant are made for `variant`.
-    pub(crate) fn make_all(
-        &self,
-        device: &ash::Device,
-        numbers: &[usize],
-        variant: impl Into<Variant>,
-    ) -> Result<(), VulkanError> {
-        let variant = variant.into();
-        let wanted: Vec<_> = numbers.iter().map(|&number| (number, variant)).collect();
-        self.make_each(device, &wanted)
-    }
-
-    /// Makes the pipelines of passes for several variants. If the cache allows it, several threads do this:
-    /// drivers take up to seconds to compile a shader.
+    /// Makes the pipelines of passes, given by their numbers in the table and their variants, unless they exist. If the
+    /// cache allows it, several threads do this: drivers take up to seconds to compile a shader.
     pub(crate) fn make_each(
         &self,
         device: &ash::Device,
@@ -215,7 +189,8 @@ impl Pipelines {
         let make = || {
             while let Some(&&(number, variant)) = missing.get(next.fetch_add(1, Ordering::Relaxed))
             {
-                let new = self.create_one(device, number, variant, *cache)?;
+                let of = self.specialization(variant, MapSize::default());
+                let new = self.create(device, &TABLE[number], &of, *cache)?;
                 // No other thread creates this pipeline: this thread has locked the cache, and its helpers
                 // create other pipelines.
                 self.place(number, variant).get_or_init(|| new);
@@ -242,37 +217,11 @@ impl Pipelines {
         pass: Pass<P>,
         variant: impl Into<Variant>,
     ) -> Result<Pipeline<P>, VulkanError> {
-        Ok(self.with_handle(pass, self.make_one(device, pass.number(), variant.into())?))
-    }
-
-    fn make_one(
-        &self,
-        device: &ash::Device,
-        number: usize,
-        variant: Variant,
-    ) -> Result<vk::Pipeline, VulkanError> {
-        let place = self.place(number, variant);
-        if let Some(&made) = place.get() {
-            return Ok(made);
+        let variant = variant.into();
+        if self.made(pass, variant).is_none() {
+            self.make_each(device, &[(pass.number(), variant)])?;
         }
-        let cache = lock(&self.cache);
-        // Another thread may have made the pipeline before it released the cache.
-        if let Some(&made) = place.get() {
-            return Ok(made);
-        }
-        let new = self.create_one(device, number, variant, *cache)?;
-        Ok(*place.get_or_init(|| new))
-    }
-
-    fn create_one(
-        &self,
-        device: &ash::Device,
-        number: usize,
-        variant: Variant,
-        cache: Cache,
-    ) -> Result<vk::Pipeline, VulkanError> {
-        let of = self.specialization(variant, MapSize::default());
-        self.create(device, &TABLE[number], &of, cache)
+        Ok(self.made(pass, variant).expect("it was made"))
     }
 
     /// Returns the pipeline of a pass for maps of the size `map`, and makes it unless it exists. The pipeline
@@ -430,12 +379,7 @@ impl Pipelines {
             for layout in self.layouts.as_flattened_mut() {
                 device.destroy_pipeline_layout(std::mem::take(layout), None);
             }
-            for layout in [
-                &mut self.surface_set_layout,
-                &mut self.host_set_layout,
-                &mut self.map_set_layout,
-                &mut self.no_set_layout,
-            ] {
+            for layout in &mut self.set_layouts {
                 device.destroy_descriptor_set_layout(std::mem::take(layout), None);
             }
         }

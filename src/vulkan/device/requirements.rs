@@ -153,10 +153,12 @@ pub(crate) fn is_portable_subset(
 ) -> bool {
     // SAFETY: the physical device is from this instance.
     let offered = unsafe { instance.enumerate_device_extension_properties(physical_device) };
-    let is_wanted = |extension: &vk::ExtensionProperties| {
-        extension.extension_name_as_c_str() == Ok(khr::portability_subset::NAME)
-    };
-    offered.unwrap_or_default().iter().any(is_wanted)
+    have(&offered.unwrap_or_default(), khr::portability_subset::NAME)
+}
+
+/// Returns whether an extension is among those that are offered.
+pub(in crate::vulkan) fn have(offered: &[vk::ExtensionProperties], name: &CStr) -> bool {
+    offered.iter().any(|extension| extension.extension_name_as_c_str() == Ok(name))
 }
 
 /// Returns the largest side of a grid's images in texels, and their largest size in bytes.

@@ -5,6 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use ash::{ext, vk};
 
+use super::requirements::have;
 use crate::vulkan::VulkanError;
 
 pub(crate) const LAYER: &CStr = c"VK_LAYER_KHRONOS_validation";
@@ -43,10 +44,7 @@ pub(crate) fn settings() -> [vk::LayerSettingEXT<'static>; 1] {
 pub(crate) fn takes_settings(entry: &ash::Entry) -> bool {
     // SAFETY: the name is a string.
     let offered = unsafe { entry.enumerate_instance_extension_properties(Some(LAYER)) };
-    let is_wanted = |extension: &vk::ExtensionProperties| {
-        extension.extension_name_as_c_str() == Ok(ext::layer_settings::NAME)
-    };
-    offered.unwrap_or_default().iter().any(is_wanted)
+    have(&offered.unwrap_or_default(), ext::layer_settings::NAME)
 }
 
 /// Warnings and errors of the validation layers, in the order in which they came. Clones share one log. The

@@ -7,6 +7,7 @@ use crate::constants::WORKGROUP;
 use crate::surface::Chart;
 use crate::vulkan::VulkanError;
 use crate::vulkan::copies::Copies;
+use crate::vulkan::device::descriptors::{self, HOST, write_part, write_view};
 use crate::vulkan::device::limits::Limits;
 use crate::vulkan::device::pipelines::Pipelines;
 use crate::vulkan::device::shaders::set_1;
@@ -64,10 +65,6 @@ impl Part {
             true => Self { range: vk::WHOLE_SIZE, room: rest - self.range, ..self },
             false => self,
         }
-    }
-
-    fn info(&self) -> vk::DescriptorBufferInfo {
-        vk::DescriptorBufferInfo { buffer: self.buffer, offset: self.start, range: self.range }
     }
 }
 
@@ -173,24 +170,12 @@ pub(super) fn describe(
     pipelines: &Pipelines,
     contents: &[Content],
 ) -> Result<(vk::DescriptorPool, Vec<HostSet>), VulkanError> {
-    let pool = pool(device, contents.len() as u32)?;
-    let layouts = vec![pipelines.host_set_layout; contents.len()];
-    let info = vk::DescriptorSetAllocateInfo::default().descriptor_pool(pool).set_layouts(&layouts);
-    // SAFETY: the pool has room for these sets.
-    match unsafe { device.allocate_descriptor_sets(&info) } {
-        Ok(sets) => {
-            let filled = sets.into_iter().zip(contents).map(|(set, &content)| {
-                pipelines.name(content.name(), set);
-                fill(device, set, content)
-            });
-            Ok((pool, filled.collect()))
-        }
-        Err(result) => {
-            // SAFETY: nothing uses the pool.
-            unsafe { device.destroy_descriptor_pool(pool, None) };
-            Err(VulkanError::Call { call: "vkAllocateDescriptorSets", result })
-        }
-    }
+    let (pool, sets) = descriptors::allocate(device, pipelines, &vec![HOST; contents.len()])?;
+    let filled = sets.into_iter().zip(contents).map(|(set, &content)| {
+        pipelines.name(content.name(), set);
+        fill(device, set, content)
+    });
+    Ok((pool, filled.collect()))
 }
 
 /// Returns the content for the sources that a recording contains itself.
@@ -271,13 +256,11 @@ pub(super) fn measured_content(
 
 /// Writes the content to a descriptor set that no submitted work uses.
 pub(super) fn fill(device: &ash::Device, set: vk::DescriptorSet, content: Content) -> HostSet {
-    let image = |index, view, layout| {
-        let info = [vk::DescriptorImageInfo::default().image_view(view).image_layout(layout)];
-        write(device, set, index, |write| write.image_info(&info));
+    let image = |index: u32, view, layout| {
+        write_view(device, (set, index, set_1::KINDS[index as usize]), view, layout);
     };
     let buffer = |index, part: Part| {
-        let info = [part.info()];
-        write(device, set, index, |write| write.buffer_info(&info));
+        write_part(device, set, index, (part.buffer, part.start, part.range));
         part.first_word
     };
     let empty = HostSet { set, ..HostSet::default() };
@@ -298,28 +281,4 @@ pub(super) fn fill(device: &ash::Device, set: vk::DescriptorSet, content: Conten
         }
     }
     empty
-}
-
-fn write<'a>(
-    device: &ash::Device,
-    set: vk::DescriptorSet,
-    index: u32,
-    fill: impl FnOnce(vk::WriteDescriptorSet<'a>) -> vk::WriteDescriptorSet<'a>,
-) {
-    let write = vk::WriteDescriptorSet::default()
-        .dst_set(set)
-        .dst_binding(index)
-        .descriptor_type(set_1::KINDS[index as usize]);
-    // SAFETY: the set, the view and the buffer are alive, and no submitted work uses the set.
-    unsafe { device.update_descriptor_sets(&[fill(write)], &[]) };
-}
-
-/// Creates a pool for `sets` descriptor sets. Each of them may use every binding.
-fn pool(device: &ash::Device, sets: u32) -> Result<vk::DescriptorPool, VulkanError> {
-    let sizes =
-        set_1::KINDS.map(|kind| vk::DescriptorPoolSize::default().ty(kind).descriptor_count(sets));
-    let info = vk::DescriptorPoolCreateInfo::default().max_sets(sets).pool_sizes(&sizes);
-    // SAFETY: nothing is borrowed beyond the call.
-    unsafe { device.create_descriptor_pool(&info, None) }
-        .map_err(VulkanError::from_call("vkCreateDescriptorPool"))
 }

@@ -138,7 +138,7 @@ impl<'a> SurfaceInfo<'a> {
         let slowed = self.points.iter().any(|points| points.slowness.is_some());
         let slots = self.slots.max(1);
         let results = if self.results.is_empty() { slots } else { 0 };
-        Purpose::Embedded { slots, results, families, slowed, lattice }
+        Purpose { slowed, slots: Some(slots), results, families, lattice }
     }
 
     fn check(&self) -> Result<(), VulkanError> {
@@ -258,7 +258,7 @@ impl FrameSurface {
         let glued = info.glued()?;
         let lattice = glued.as_ref().map(Glued::lattice).unwrap_or_default();
         let purpose = info.purpose(&families, lattice);
-        let slowed = matches!(purpose, Purpose::Embedded { slowed: true, .. });
+        let slowed = purpose.slowed;
         let small_tiles = solver.tuning().has_small_tiles(size.1);
         let sort = Sort { slowed, small_tiles, glued: glued.is_some() };
         solver.make_passes_for(device, sort)?;

@@ -117,13 +117,8 @@ impl<'a> Probe<'a> {
         let sizes = (chart, new.solver.limits.texels(chart)?);
         let pipelines = &new.solver.pipelines;
         let allocator = &mut context.allocator();
-        let images = GridImages::new(
-            device,
-            allocator,
-            pipelines,
-            sizes,
-            Purpose::Headless { slowed: false },
-        )?;
+        let images =
+            GridImages::new(device, allocator, pipelines, sizes, Purpose::headless(false))?;
         new.images = Some(images);
         for (name, location) in
             [("copied", MemoryLocation::GpuOnly), ("read", MemoryLocation::GpuToCpu)]

@@ -365,7 +365,8 @@ impl HeadlessSolver {
         if pipelines.have(&passes, variant) {
             return Ok(());
         }
-        pipelines.make_all(&self.context.device, &passes, variant)?;
+        let wanted: Vec<_> = passes.iter().map(|&number| (number, variant)).collect();
+        pipelines.make_each(&self.context.device, &wanted)?;
         self.run(&mut Unwatched, images, |recorder| recorder.warm_up_map(schedule, variant))
     }
 

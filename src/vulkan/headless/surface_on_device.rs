@@ -64,7 +64,7 @@ impl SurfaceOnDevice {
         let anchors = Anchors::of(surface, texels);
         let copies = surface.copies().map(|groups| CopyList::of_groups(surface.chart(), groups));
         let sizes = (surface.chart(), texels);
-        let images = allocated(context, pipelines, sizes, Purpose::Headless { slowed }, copies)?;
+        let images = allocated(context, pipelines, sizes, Purpose::headless(slowed), copies)?;
         Ok(Self {
             images,
             anchors,

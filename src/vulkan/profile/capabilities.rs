@@ -6,6 +6,7 @@ use std::fmt;
 use ash::{ext, khr, vk};
 
 use super::clock::Clock;
+use crate::vulkan::device::requirements::have;
 
 /// Capability that a device may offer for profiling. Computing a map needs none of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -93,9 +94,7 @@ impl Capabilities {
                 instance.enumerate_device_extension_properties(physical_device).unwrap_or_default(),
             )
         };
-        let has = |name: &CStr| {
-            extensions.iter().any(|extension| extension.extension_name_as_c_str() == Ok(name))
-        };
+        let has = |name| have(&extensions, name);
         let or = |there: bool, reason| if there { Ok(()) } else { Err(Unavailable(reason)) };
         let calibration = [khr::calibrated_timestamps::NAME, ext::calibrated_timestamps::NAME];
         let executables = has(khr::pipeline_executable_properties::NAME)

@@ -1,6 +1,6 @@
 //! Reads the driver's statistics of a pipeline: registers, spills and the size of subgroups.
 
-use std::ffi::{CStr, c_char};
+use std::ffi::{CStr, FromBytesUntilNulError};
 
 use ash::{khr, vk};
 
@@ -50,7 +50,7 @@ pub(crate) fn executables(
                 .map_err(VulkanError::from_call("vkGetPipelineExecutableStatisticsKHR"))?;
             found.push(Executable {
                 pipeline: pipeline.clone(),
-                name: text(&executable.name),
+                name: text(executable.name_as_c_str()),
                 subgroup_size: executable.subgroup_size,
                 statistics: statistics.iter().map(Statistic::of).collect(),
             });
@@ -72,15 +72,14 @@ impl Statistic {
                 _ => raw.value.f64,
             }
         };
-        Self { name: text(&raw.name), description: text(&raw.description), value }
+        let [name, description] = [raw.name_as_c_str(), raw.description_as_c_str()].map(text);
+        Self { name, description, value }
     }
 }
 
-/// Returns the text up to its NUL.
-fn text(chars: &[c_char]) -> String {
-    let bytes: Vec<u8> = chars.iter().map(|&char| char as u8).collect();
-    let text = CStr::from_bytes_until_nul(&bytes).unwrap_or_default();
-    text.to_string_lossy().into_owned()
+/// Returns an owned text of the driver's; an empty one if it does not end.
+fn text(text: Result<&CStr, FromBytesUntilNulError>) -> String {
+    text.unwrap_or_default().to_string_lossy().into_owned()
 }
 
 #[cfg(test)]
@@ -102,7 +101,7 @@ mod tests {
             let mut raw =
                 vk::PipelineExecutableStatisticKHR { format, value, ..Default::default() };
             for (to, from) in raw.name.iter_mut().zip(b"Register Count\0") {
-                *to = *from as c_char;
+                *to = *from as std::ffi::c_char;
             }
             let read = Statistic::of(&raw);
             assert_eq!((read.name.as_str(), read.value), ("Register Count", expected));

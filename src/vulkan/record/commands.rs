@@ -177,11 +177,10 @@ impl<'a> Commands<'a> {
         after: barrier::Access,
         layouts: (vk::ImageLayout, vk::ImageLayout),
     ) {
+        let image = barrier::ImageBarrier { image, before, after, layouts };
         match self.turn {
-            None => barrier::image(self.device, self.buffer, image, before, after, layouts),
-            Some(turn) => {
-                turn.image_barrier(barrier::ImageBarrier { image, before, after, layouts });
-            }
+            None => barrier::image(self.device, self.buffer, image),
+            Some(turn) => turn.image_barrier(image),
         }
     }
 
