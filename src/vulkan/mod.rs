@@ -40,8 +40,9 @@ pub use headless::{
 };
 pub use map_limit::{MOST_TARGETS, MapLimit, TargetPoint};
 pub use pairwise::{PairwiseOnDevice, PairwiseSchedule};
+pub use profile::steps::planned;
 pub use schedules::method::Method;
+pub use schedules::plan;
 pub use schedules::schedule::Schedule;
 pub use schedules::tuning::Tuning;
-pub use schedules::{plan, planned};
 pub use texel_chart::TexelChart;

@@ -21,21 +21,11 @@ impl Labels {
         Self(ext::debug_utils::Device::new(instance, device))
     }
 
-    /// Begins a label, under which tools show the commands up to [`Self::close`].
-    pub(crate) fn open(&self, commands: vk::CommandBuffer, label: &CStr) {
+    /// Begins a label, under which tools show the commands until the returned value is dropped.
+    pub(crate) fn group<'a>(&'a self, commands: vk::CommandBuffer, label: &CStr) -> Group<'a> {
         let label = vk::DebugUtilsLabelEXT::default().label_name(label);
         // SAFETY: the command buffer is being recorded on this device.
         unsafe { self.0.cmd_begin_debug_utils_label(commands, &label) };
-    }
-
-    pub(crate) fn close(&self, commands: vk::CommandBuffer) {
-        // SAFETY: every `close` follows an `open` in the same command buffer.
-        unsafe { self.0.cmd_end_debug_utils_label(commands) };
-    }
-
-    /// Opens a label over several passes. It ends when the returned value is dropped.
-    pub(crate) fn group<'a>(&'a self, commands: vk::CommandBuffer, label: &CStr) -> Group<'a> {
-        self.open(commands, label);
         Group { labels: self, commands }
     }
 
@@ -59,6 +49,7 @@ pub(crate) struct Group<'a> {
 
 impl Drop for Group<'_> {
     fn drop(&mut self) {
-        self.labels.close(self.commands);
+        // SAFETY: the label was begun in the same command buffer.
+        unsafe { self.labels.0.cmd_end_debug_utils_label(self.commands) };
     }
 }

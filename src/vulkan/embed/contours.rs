@@ -19,8 +19,8 @@ use crate::vulkan::device::memory::BufferInfo;
 use crate::vulkan::device::passes::{CONTOUR_COUNTS, CONTOUR_OFFSETS, CONTOUR_SEGMENTS};
 use crate::vulkan::device::pipelines::Pipeline;
 use crate::vulkan::device::shaders::contour_counts::Push;
-use crate::vulkan::profile::{PassKind, PassRecord, Work};
-use crate::vulkan::record::dispatched;
+use crate::vulkan::profile::PassKind;
+use crate::vulkan::record::Moved;
 
 /// Buffer for the contours of a surface, and the passes that find them: [`Recording::contours`].
 ///
@@ -383,11 +383,10 @@ impl Recording<'_> {
         // A row of cells lies between two rows of points.
         let rows = chart.rows as u32 - 1;
         let heights = [rows, 1, rows];
-        for ((&pipeline, height), work) in contours.pipelines.iter().zip(heights).zip(works(chart))
+        for ((&pipeline, height), moved) in contours.pipelines.iter().zip(heights).zip(moved(chart))
         {
             let size = [WORKGROUP, height];
-            let record = PassRecord { work, ..dispatched(PassKind::Contours, size) };
-            let _pass = recorder.pass_with(record);
+            let _pass = recorder.pass_moving(PassKind::Contours, moved);
             recorder.host_pass(pipeline, sets[0].set, &push, size);
             recorder.barrier(SHADER_WRITE, SHADER);
         }
@@ -398,15 +397,11 @@ impl Recording<'_> {
 
 /// Returns the bytes that the passes move: times of all points, and counts of rows of cells and of their
 /// strips. Only the device knows how many segments the last pass writes.
-fn works(chart: Chart) -> [Work; 3] {
+fn moved(chart: Chart) -> [Moved; 3] {
     let number = size_of::<u32>() as u64;
     let (times, rows) = (number * chart.points() as u64, number * (chart.rows as u64 - 1));
     let (counts, record) = (rows * ROW_WORDS as u64, 6 * number);
-    [
-        Work::of_bytes(times, counts),
-        Work::of_bytes(rows, rows + record),
-        Work { bytes_read: Some(times + counts), ..Work::default() },
-    ]
+    [[Some(times), Some(counts)], [Some(rows), Some(rows + record)], [Some(times + counts), None]]
 }
 
 #[cfg(test)]

@@ -22,7 +22,6 @@ use crate::vulkan::device::passes::{LIFT_FROM_BUFFER, LIFT_FROM_IMAGE};
 use crate::vulkan::device::pipelines::{Pipeline, Pipelines};
 use crate::vulkan::device::shaders::lift_from_buffer::Push as Lift;
 use crate::vulkan::profile::PassKind;
-use crate::vulkan::record::dispatched;
 
 /// Vertex of a contour or path. Graphics pipelines can read it as it is: [`CurveVertex::attributes`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
@@ -404,7 +403,7 @@ impl Curves {
         let lifters = if curves == 1 { capacity.div_ceil(WORKGROUP).clamp(1, LIFTERS) } else { 1 };
         let size = [WORKGROUP * lifters, curves];
         // Only the device knows how many vertices there are to lift.
-        let _pass = recorder.pass_with(dispatched(PassKind::Lift, size));
+        let _pass = recorder.pass(PassKind::Lift);
         recorder.host_pass(pipeline, set.set, &lift, size);
         recorder.barrier(SHADER_WRITE, reader.side());
         sets.are_used(recording.note());

@@ -19,8 +19,8 @@ use crate::vulkan::device::memory::BufferInfo;
 use crate::vulkan::device::passes::{PATH_STARTS, PATHS};
 use crate::vulkan::device::pipelines::Pipeline;
 use crate::vulkan::device::shaders::path_starts::Push;
-use crate::vulkan::profile::{PassKind, PassRecord, Work};
-use crate::vulkan::record::dispatched;
+use crate::vulkan::profile::PassKind;
+use crate::vulkan::record::Moved;
 
 /// Buffer for the paths on a surface, and the passes that trace them: [`Recording::paths`].
 ///
@@ -396,12 +396,11 @@ impl Recording<'_> {
             let pipeline = paths.pipelines[usize::from(pass > 0)];
             let size = [layout.curves, 1];
             // Only the device knows how many steps the paths take.
-            let work = match pass {
-                0 => work_of_starts(layout.curves, count as u64, sources as u64),
-                _ => Work::default(),
+            let moved = match pass {
+                0 => moved_by_starts(layout.curves, count as u64, sources as u64),
+                _ => [None; 2],
             };
-            let record = PassRecord { work, ..dispatched(PassKind::Paths, size) };
-            let _pass = recorder.pass_with(record);
+            let _pass = recorder.pass_moving(PassKind::Paths, moved);
             recorder.map_pass(pipeline, set.set, &batch, size);
             recorder.barrier(SHADER_WRITE, SHADER);
         }
@@ -413,15 +412,13 @@ impl Recording<'_> {
 /// Returns the bytes moved to begin the paths. For each start, the pass reads the start and the times around
 /// it, and writes a vertex. It reads the sources once. For each path, it writes the record and the state of
 /// the path.
-fn work_of_starts(records: u32, starts: u64, sources: u64) -> Work {
+fn moved_by_starts(records: u32, starts: u64, sources: u64) -> Moved {
     let number = size_of::<f32>() as u64;
     let sources = if starts > 0 { size_of::<PointSource>() as u64 * sources } else { 0 };
     let records = number * u64::from(CURVE_WORDS + PATH_WORDS) * u64::from(records);
     // A vertex holds its time, row and column. A later pass lifts it.
-    Work::of_bytes(
-        starts * (START_BYTES as u64 + 4 * number) + sources,
-        records + starts * 3 * number,
-    )
+    let read = starts * (START_BYTES as u64 + 4 * number) + sources;
+    [Some(read), Some(records + starts * 3 * number)]
 }
 
 /// Returns the largest number of times that a path is traced. Sources with different initial values may take

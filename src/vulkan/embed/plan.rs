@@ -3,9 +3,10 @@
 use crate::Stop;
 use crate::update::Wavefront;
 use crate::vulkan::profile::Grain;
+use crate::vulkan::profile::steps::records;
 use crate::vulkan::schedules::plan;
 use crate::vulkan::schedules::plan::{Portions, Step};
-use crate::vulkan::{Method, Schedule, TexelChart, schedules};
+use crate::vulkan::{Method, Schedule, TexelChart};
 
 /// List of the passes of a recording. It fits every surface whose grid has the same size in texels of 2 x 2
 /// points.
@@ -59,7 +60,7 @@ impl Plan {
     /// Returns the largest number of profile records that a recording of the steps makes. The number includes
     /// copies of the device's decisions, and checks of targets.
     pub(super) fn records(&self, grain: Grain) -> u32 {
-        schedules::records(&self.steps, grain) + self.iterations + 2
+        records(&self.steps, grain) + self.iterations + 2
     }
 
     /// Returns the passes for inspection.

@@ -12,8 +12,7 @@ use crate::vulkan::VulkanError;
 use crate::vulkan::device::barrier::{SHADER, SHADER_WRITE, TRANSFER_WRITE};
 use crate::vulkan::device::passes::{LOOKUP, RESULT};
 use crate::vulkan::device::shaders::{lookup, result};
-use crate::vulkan::profile::{PassKind, PassRecord, Work};
-use crate::vulkan::record::dispatched;
+use crate::vulkan::profile::PassKind;
 
 const RECORD_BYTES: u64 = Outcome::BYTES as u64;
 
@@ -101,9 +100,7 @@ impl Recording<'_> {
         let Self { recorder, surface, .. } = self;
         let texels = surface.grid.texels.inner();
         let points = size_of::<f32>() as u64 * surface.grid.chart.points() as u64;
-        let work = Work::of_bytes(points, points);
-        let record = PassRecord { work, ..dispatched(PassKind::Distances, texels) };
-        let _pass = recorder.pass_with(record);
+        let _pass = recorder.pass_moving(PassKind::Distances, [Some(points); 2]);
         let chart = surface.grid.chart;
         // The barrier also waits for earlier writes of the same slot.
         let (stages, access) = reader.access.side();

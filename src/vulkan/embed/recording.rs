@@ -24,7 +24,7 @@ use crate::vulkan::device::shaders::{
     merge_surroundings, points_from_buffer, sources, surroundings,
 };
 use crate::vulkan::grid_images::INLINE_SOURCES;
-use crate::vulkan::profile::{PassKind, PassRecord, Profile, Work};
+use crate::vulkan::profile::{PassKind, Profile, Work};
 use crate::vulkan::record::{Commands, Recorder};
 use crate::vulkan::schedules::progress::offset;
 use crate::vulkan::upload::SEED_BYTES;
@@ -77,8 +77,8 @@ impl<'a> Recording<'a> {
     /// Starts the profile anew: resets its queries in the command buffer and writes the first timestamp. All
     /// calls on the returned value must run in one submission.
     pub fn profiled(mut self, profile: &'a Profile) -> Self {
-        profile.begin(self.recorder.device, self.recorder.buffer);
-        self.recorder.commands.profile = Some(profile);
+        profile.start(self.recorder.device, self.recorder.buffer);
+        self.recorder.commands.observer = Some(profile);
         self
     }
 
@@ -418,13 +418,8 @@ impl<'a> Recording<'a> {
         let (grid, first_word) = (grid_size(chart), set.first_word);
         let sources = surroundings::Push { grid, first_word, is_glued };
         let each = SURROUNDINGS_TEXELS * SURROUNDINGS_TEXELS;
-        let work = Work::of_surroundings(count.into(), each.into(), plan.wavefront.is_curved());
-        let record = PassRecord {
-            groups: Some([count, 1, 1]),
-            work,
-            ..PassRecord::new(PassKind::Surroundings)
-        };
-        let pass = recorder.pass_with(record);
+        let moved = Work::of_surroundings(count.into(), each.into(), plan.wavefront.is_curved());
+        let pass = recorder.pass_moving(PassKind::Surroundings, moved);
         // Each source takes one workgroup.
         recorder.host_pass(pipeline, set.set, &sources, [count * WORKGROUP, 1]);
         drop(pass);

@@ -26,8 +26,8 @@ use crate::vulkan::device::passes::{
 use crate::vulkan::device::pipelines::Pipeline;
 use crate::vulkan::device::shaders::region_starts::Push;
 use crate::vulkan::device::shaders::share_starts::Push as Share;
-use crate::vulkan::profile::{PassKind, PassRecord, Work};
-use crate::vulkan::record::dispatched;
+use crate::vulkan::profile::PassKind;
+use crate::vulkan::record::Moved;
 
 /// Buffer for the regions of the points nearest to each source, and the passes that find them:
 /// [`Recording::regions`].
@@ -414,9 +414,7 @@ impl Recording<'_> {
         let (stages, access) = frame.reader.and(frame.before).side();
         let ours = (TRANSFER_WRITE.0 | SHADER.0, TRANSFER_WRITE.1 | SHADER.1);
         recorder.barrier((stages | SHADER.0, access | SHADER.1), ours);
-        let record = PassRecord { dispatches: 0, ..PassRecord::new(PassKind::Regions) };
-        let work = Work::of_bytes(0, 2 * labels.bytes);
-        let pass = recorder.pass_with(PassRecord { work, ..record });
+        let pass = recorder.pass(PassKind::Regions);
         recorder.fill(labels.buffer, 0, 2 * labels.bytes);
         drop(pass);
         recorder.barrier(TRANSFER_WRITE, SHADER);
@@ -432,16 +430,15 @@ impl Recording<'_> {
             from: 0,
             is_last: 0,
         };
-        let run = |pass: usize, size, push: Push, work, last: Access| {
-            let _pass =
-                recorder.pass_with(PassRecord { work, ..dispatched(PassKind::Regions, size) });
+        let run = |pass: usize, size, push: Push, moved, last: Access| {
+            let _pass = recorder.pass_moving(PassKind::Regions, moved);
             recorder.map_pass(regions.pipelines[pass], set.set, &push, size);
             recorder.barrier(SHADER_WRITE, last.side());
         };
         let groups = self.surface.grid.copies.as_ref().map_or(0, Copies::groups_by_rows);
         let (ours, all) = (Access::new(SHADER.0, SHADER.1), [chart.cols as u32, chart.rows as u32]);
         for is_last in [0, 1] {
-            run(0, [count, 1], Push { is_last, ..push }, work_of_starts(count), ours);
+            run(0, [count, 1], Push { is_last, ..push }, moved_by_starts(count), ours);
             if let Some(OverCopies { starts, .. }) = regions.over_copies {
                 let first_word = (1 - is_last as i32) * chart.points() as i32;
                 let share = Share { grid: push.grid, first_word };
@@ -449,7 +446,7 @@ impl Recording<'_> {
                 recorder.barrier(SHADER_WRITE, SHADER);
             }
         }
-        run(1, all, push, work_of_ways(chart, regions.wavefront), ours);
+        run(1, all, push, moved_by_ways(chart, regions.wavefront), ours);
         if let Some(OverCopies { ways, .. }) = regions.over_copies {
             recorder.pass_over_groups(PassKind::Regions, ways, set.set, &push, groups);
             recorder.barrier(SHADER_WRITE, SHADER);
@@ -460,7 +457,7 @@ impl Recording<'_> {
             let is_last = number + 1 == flowing + jumping;
             let push = Push { from: number as i32 % 2, is_last: is_last.into(), ..push };
             let pass = if number < flowing { 2 } else { 3 };
-            run(pass, all, push, Work::default(), if is_last { frame.reader } else { ours });
+            run(pass, all, push, [None; 2], if is_last { frame.reader } else { ours });
         }
         sets.are_used(self.note());
         Ok(labels)
@@ -469,15 +466,14 @@ impl Recording<'_> {
 
 /// Returns the bytes moved to examine `count` sources once. How many points around them are accessed depends
 /// on their places, and is not counted.
-fn work_of_starts(count: u32) -> Work {
-    let bytes = size_of::<PointSource>() as u64 * u64::from(count);
-    Work { bytes_read: Some(bytes), ..Work::default() }
+fn moved_by_starts(count: u32) -> Moved {
+    [Some(size_of::<PointSource>() as u64 * u64::from(count)), None]
 }
 
 /// Returns the bytes moved to begin the ways to all points. The pass reads the front and number of the
 /// earliest source, the front of the map, and four lengths. It writes a link and a place.
-fn work_of_ways(chart: Chart, wavefront: Wavefront) -> Work {
+fn moved_by_ways(chart: Chart, wavefront: Wavefront) -> Moved {
     let curvatures = if wavefront.is_curved() { 2 } else { 0 };
     let points = WORD * chart.points() as u64;
-    Work::of_bytes(points * (2 + 1 + 4 + curvatures), points * 3)
+    [Some(points * (2 + 1 + 4 + curvatures)), Some(points * 3)]
 }

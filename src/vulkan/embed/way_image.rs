@@ -26,8 +26,8 @@ use crate::vulkan::device::passes::SHARE_STARTS;
 use crate::vulkan::device::pipelines::Pipeline;
 use crate::vulkan::device::shaders::share_starts::Push as Share;
 use crate::vulkan::device::shaders::way_starts::Push;
-use crate::vulkan::profile::{PassKind, PassRecord, Work};
-use crate::vulkan::record::dispatched;
+use crate::vulkan::profile::PassKind;
+use crate::vulkan::record::Moved;
 
 const WORD: u64 = size_of::<u32>() as u64;
 
@@ -235,9 +235,7 @@ impl WayImage {
         recorder.barrier((stages | ours.0, access | ours.1), ours);
         // Sources beside points, and their arrival times, follow the header.
         let cleared = WORD * (u64::from(WAYS_HEADER) + 2 * self.chart.points() as u64);
-        let work = Work::of_bytes(0, cleared);
-        let record = PassRecord { dispatches: 0, work, ..PassRecord::new(self.kind.pass) };
-        let pass = recorder.pass_with(record);
+        let pass = recorder.pass(self.kind.pass);
         recorder.fill(self.output(), 0, cleared);
         drop(pass);
         recorder.barrier(TRANSFER_WRITE, SHADER);
@@ -261,8 +259,7 @@ impl WayImage {
             let bytes = size_of::<PointSource>() as u64 * u64::from(count);
             // The number of points accessed around the sources depends on the sources' places, and is not
             // counted.
-            let work = Work { bytes_read: Some(bytes), ..Work::default() };
-            passes.run(starts, [count, 1], Push { turn, ..push }, work);
+            passes.run(starts, [count, 1], Push { turn, ..push }, [Some(bytes), None]);
             passes.share_starts(1 - turn as u64);
         }
         Ok(passes)
@@ -292,9 +289,9 @@ impl WayPasses<'_> {
         recorder.barrier(SHADER_WRITE, SHADER);
     }
 
-    fn run(&self, pipeline: Pipeline<Push>, size: [u32; 2], push: Push, work: Work) {
+    fn run(&self, pipeline: Pipeline<Push>, size: [u32; 2], push: Push, moved: Moved) {
         let recorder = &self.recording.recorder;
-        let _pass = recorder.pass_with(PassRecord { work, ..dispatched(self.of.kind.pass, size) });
+        let _pass = recorder.pass_moving(self.of.kind.pass, moved);
         recorder.map_pass(pipeline, self.set.set, &push, size);
         recorder.barrier(SHADER_WRITE, SHADER);
     }
@@ -302,7 +299,7 @@ impl WayPasses<'_> {
     /// Records a pass over all grid points. How much it reads depends on the map.
     pub(super) fn over_points(&self, pipeline: Pipeline<Push>, push: Push) {
         let Chart { rows, cols } = self.of.chart;
-        self.run(pipeline, [cols as u32, rows as u32], push, Work::default());
+        self.run(pipeline, [cols as u32, rows as u32], push, [None; 2]);
     }
 
     /// Records the copy to the image, for `reader`. These are the last commands of a recording.
@@ -313,7 +310,7 @@ impl WayPasses<'_> {
         let points = of.chart.points() as u64;
         let start = WORD * (u64::from(WAYS_HEADER) + kind.words_before * points);
         let texel = if kind.format == vk::Format::R16G16_SFLOAT { WORD } else { 2 * WORD };
-        let pass = recorder.pass_of_copy(kind.pass, texel * points);
+        let pass = recorder.pass_moving(kind.pass, [Some(texel * points); 2]);
         recorder.barrier(SHADER_WRITE, TRANSFER_READ);
         let (stages, access) = reader.access.side();
         let before = (stages | TRANSFER_WRITE.0, access | TRANSFER_WRITE.1);

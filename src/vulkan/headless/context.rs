@@ -10,7 +10,8 @@ use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 use crate::vulkan::device::instance::Instance;
 use crate::vulkan::device::validation::ValidationLog;
 use crate::vulkan::device::{devices, requirements};
-use crate::vulkan::profile::{Capabilities, Capability, PassRecord, Profile};
+use crate::vulkan::profile::{Capabilities, Capability, PassRecord};
+use crate::vulkan::record::Observer;
 use crate::vulkan::{DeviceChoice, DeviceInfo, VulkanError};
 
 /// Device with one compute queue and an allocator. Several threads may use it.
@@ -135,7 +136,7 @@ pub(crate) trait Submitter {
     fn record(
         &self,
         commands: &CommandBuffer,
-        append: impl FnOnce(&ash::Device, vk::CommandBuffer, Option<&Profile>),
+        append: impl FnOnce(&ash::Device, vk::CommandBuffer, Option<&dyn Observer>),
     ) -> Result<(), VulkanError>;
 
     /// Submits the recorded commands and waits for their end.
@@ -167,7 +168,7 @@ impl Submitter for Unwatched {
     fn record(
         &self,
         commands: &CommandBuffer,
-        append: impl FnOnce(&ash::Device, vk::CommandBuffer, Option<&Profile>),
+        append: impl FnOnce(&ash::Device, vk::CommandBuffer, Option<&dyn Observer>),
     ) -> Result<(), VulkanError> {
         commands.record(|device, buffer| append(device, buffer, None))
     }

@@ -10,9 +10,9 @@ use crate::update::Wavefront;
 use crate::vulkan::device::passes::{EXCHANGE, Variant};
 use crate::vulkan::device::staging::copy_in_parallel;
 use crate::vulkan::grid_images::GridImages;
+use crate::vulkan::profile::steps::records;
 use crate::vulkan::profile::{Detail, Session, SolveProfile};
 use crate::vulkan::record::{Commands, Recorder};
-use crate::vulkan::schedules;
 use crate::vulkan::schedules::method::Method;
 use crate::vulkan::schedules::plan;
 use crate::vulkan::schedules::plan::{Portions, Reached, Step};
@@ -205,7 +205,7 @@ impl HeadlessSolver {
         let is_glued = surface.images.copies.is_some();
         let steps = plan_of(schedule, (texels, portions), None, method.stop.iterations, is_glued);
         // On a glued surface, seeds are exchanged too.
-        let passes = schedules::records(&steps, detail.grain) + u32::from(is_glued);
+        let passes = records(&steps, detail.grain) + u32::from(is_glued);
         let [cols, rows] = texels.tiles(portions.tile);
         let tiles = cols as usize * rows as usize;
         let detail = Detail { tiles: detail.tiles && schedule.has_rounds(), ..detail };
@@ -378,9 +378,9 @@ impl HeadlessSolver {
         grid: &GridImages,
         append: impl FnOnce(Recorder),
     ) -> Result<(), VulkanError> {
-        submitter.record(commands, |device, buffer, profile| {
+        submitter.record(commands, |device, buffer, observer| {
             let pipelines = &self.for_device.pipelines;
-            let commands = Commands { device, buffer, pipelines, profile, turn: None };
+            let commands = Commands { device, buffer, pipelines, observer, turn: None };
             append(Recorder { commands, grid });
         })
     }
@@ -510,7 +510,7 @@ mod tests {
     use super::*;
     use crate::surface::Sources;
     use crate::vulkan::Tuning;
-    use crate::vulkan::profile::Profile;
+    use crate::vulkan::record::Observer;
     use crate::{Monitor, Stop};
 
     /// Submitter that cancels the map with one of its submissions.
@@ -525,7 +525,7 @@ mod tests {
         fn record(
             &self,
             commands: &CommandBuffer,
-            append: impl FnOnce(&ash::Device, vk::CommandBuffer, Option<&Profile>),
+            append: impl FnOnce(&ash::Device, vk::CommandBuffer, Option<&dyn Observer>),
         ) -> Result<(), VulkanError> {
             Unwatched.record(commands, append)
         }

@@ -24,13 +24,12 @@ use rayon::prelude::*;
 
 use super::device::staging::HALVES;
 use super::headless::context::{Context, Flight, Submitter, Unwatched};
+use super::profile::steps::records;
 use super::profile::{Detail, Grain, Session, SolveProfile};
 use super::record::Commands;
 use super::schedules::plan;
 use super::schedules::plan::{Portions, Reached};
-use super::{
-    HeadlessSolver, Schedule, SurfaceOnDevice, TexelChart, Tuning, VulkanError, schedules,
-};
+use super::{HeadlessSolver, Schedule, SurfaceOnDevice, TexelChart, Tuning, VulkanError};
 use crate::update::Wavefront;
 use crate::{Convergence, Stop};
 use layout::BatchLayout;
@@ -139,7 +138,7 @@ impl PairwiseOnDevice {
         self.check(solver, surface);
         let capabilities = solver.capabilities().ok_or(VulkanError::NotForProfiling)?;
         let scans = self.scans(solver.tuning(), None, stop.iterations);
-        let passes = schedules::records(&scans, detail.grain) + PASSES_AROUND;
+        let passes = records(&scans, detail.grain) + PASSES_AROUND;
         // Each map converges by itself, so that the work is known for whole iterations only.
         let grain = match detail.grain {
             Grain::Portions => Grain::Iterations,
@@ -290,10 +289,10 @@ impl PairwiseOnDevice {
         submitter: &mut impl Submitter,
         append: impl FnOnce(BatchRecorder),
     ) -> Result<(), VulkanError> {
-        submitter.record(&self.flight.commands, |device, buffer, profile| {
+        submitter.record(&self.flight.commands, |device, buffer, observer| {
             let pipelines = &solver.for_device.pipelines;
             append(BatchRecorder {
-                commands: Commands { device, buffer, pipelines, profile, turn: None },
+                commands: Commands { device, buffer, pipelines, observer, turn: None },
                 passes: &self.passes,
                 resources: &self.resources,
                 layout: &self.layout,

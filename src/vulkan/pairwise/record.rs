@@ -22,11 +22,10 @@ use crate::vulkan::device::shaders::{
     pairwise_count, pairwise_exchange, pairwise_fans, pairwise_scan, pairwise_shared,
     pairwise_start, unpack,
 };
-use crate::vulkan::profile::{PassKind, PassRecord, Presence, Scope, StepCounter, Work};
-use crate::vulkan::record::{Commands, Groups};
+use crate::vulkan::record::{Commands, Groups, OpenPass, PassKind, PlannedSteps, StepsOf};
+use crate::vulkan::schedules::block_of;
 use crate::vulkan::schedules::plan;
 use crate::vulkan::schedules::plan::{Scan, ScanPass};
-use crate::vulkan::schedules::{account, block_of};
 
 /// Recorder of one batch.
 #[derive(Clone, Copy)]
@@ -70,25 +69,18 @@ impl BatchRecorder<'_> {
             // of fans.
             let pairs = u64::from(points.div_ceil(2)) * u64::from(lines);
             let bytes = 4 * fan_numbers(self.layout.wavefront) * pairs;
-            let record = PassRecord {
-                groups: Some(groups),
-                work: Work::of_bytes(bytes, bytes),
-                ..PassRecord::new(PassKind::Fans)
-            };
-            let _pass = Scope::open(self.watch(), || (record, Presence::Always));
+            let _pass = self.pass_moving(PassKind::Fans, [Some(bytes); 2]);
             let push = pairwise_fans::Push { grid: self.signed_grid(), scan: scan as i32 };
             self.dispatch(fans, &push, Groups::These(groups));
         }
         self.barrier(SHADER_WRITE, SHADER);
     }
 
-    /// Records steps. For passes over maps in images, the profile's records hold the work of one map.
+    /// Records steps.
     pub(super) fn steps(&self, steps: &[Step]) {
-        let mut open = None;
-        let has_two_layers = self.layout.wavefront.has_two_layers();
-        let exchanged = self.resources.copies.as_ref().map(Copies::bytes_moved);
-        let counter = StepCounter::new(self.texels, self.pipelines.tuning, has_two_layers);
-        let mut counter = counter.exchanging(exchanged);
+        if let Some(observer) = self.observer {
+            observer.begin_steps(self, self.planned());
+        }
         // A recording that does not begin a batch continues one.
         if steps.first() != Some(&Step::Begin) {
             self.barrier(PASS, PASS);
@@ -97,9 +89,7 @@ impl BatchRecorder<'_> {
             for &(before, after) in step.barriers_before() {
                 self.barrier(before, after);
             }
-            Scope::go_on(&mut open, self.watch(), || {
-                (self.record_of(step, &mut counter), Presence::Always)
-            });
+            let _pass = self.pass_of(step);
             match (step, self.passes) {
                 (Step::Begin, _) => {
                     self.copy_progress(self.resources.staging(), self.resources.progress())
@@ -147,51 +137,43 @@ impl BatchRecorder<'_> {
             let (before, after) = step.barrier_after();
             self.barrier(before, after);
         }
+        if let Some(observer) = self.observer {
+            observer.end_steps(self);
+        }
     }
 
-    fn record_of(&self, step: &Step, counter: &mut StepCounter) -> PassRecord {
-        let progress = progress::bytes(self.maps);
-        let copied = |kind, bytes| PassRecord {
-            work: Work::of_bytes(bytes, bytes),
-            ..PassRecord::new(kind)
-        };
-        let dispatched =
-            |kind, groups| PassRecord { groups: Some(groups), ..PassRecord::new(kind) };
+    /// Returns the steps over maps in images for an observer.
+    fn planned(&self) -> PlannedSteps<'_> {
+        PlannedSteps {
+            steps: &[],
+            texels: self.texels,
+            tuning: self.pipelines.tuning,
+            carries: self.layout.wavefront.has_two_layers(),
+            exchanged: self.resources.copies.as_ref().map(Copies::bytes_moved),
+            of: StepsOf::Batch(self.maps),
+        }
+    }
+
+    /// Begins the pass of a step.
+    fn pass_of(&self, step: &Step) -> Option<OpenPass<'_>> {
         match step {
-            Step::Begin => copied(PassKind::Start, progress),
-            Step::Report => copied(PassKind::Outcome, progress),
+            Step::Begin => self.pass(PassKind::Start),
+            Step::Report => self.pass(PassKind::Outcome),
+            Step::Bring(_) => self.pass(PassKind::Unpack),
+            Step::Unpack => self.pass_moving(PassKind::Unpack, [Some(self.distance_bytes()); 2]),
+            Step::Workgroups => self.pass(PassKind::Workgroups),
             Step::Start => {
                 let TexelChart { rows, cols } = self.texels;
                 let texels = u64::from(rows) * u64::from(cols);
                 // Both images are written.
                 let written = 2 * 16 * texels * u64::from(numbers(self.layout.wavefront));
-                let work = Work::of_bytes(0, written);
-                PassRecord { work, ..dispatched(PassKind::Seed, self.start_groups()) }
+                self.pass_moving(PassKind::Seed, [Some(0), Some(written)])
             }
             Step::ExchangeSources => {
-                let (record, _) = counter.exchange(None);
-                PassRecord { work: record.work, ..dispatched(PassKind::Seed, [1, 1, self.maps]) }
+                let moved = self.resources.copies.as_ref().map(Copies::bytes_moved);
+                self.pass_moving(PassKind::Seed, moved.unwrap_or_default().map(Some))
             }
-            Step::Workgroups => PassRecord {
-                iteration: Some(0),
-                ..dispatched(PassKind::Workgroups, [self.maps, 1, 1])
-            },
-            Step::Raster(step) => {
-                let (record, _) = account(counter, step);
-                let groups = match step {
-                    plan::Step::Count => Some(self.count_groups()),
-                    _ => record.groups.map(|[x, y, _]| [x, y, self.maps]),
-                };
-                PassRecord { groups, ..record }
-            }
-            Step::Unpack => {
-                let groups = Some(self.unpack_groups());
-                PassRecord { groups, ..copied(PassKind::Unpack, self.distance_bytes()) }
-            }
-            Step::Bring(_) => {
-                let record = copied(PassKind::Unpack, self.distance_bytes());
-                PassRecord { dispatches: 0, ..record }
-            }
+            Step::Raster(step) => Some(self.step(step)),
         }
     }
 

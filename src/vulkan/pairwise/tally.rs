@@ -34,7 +34,10 @@ impl Tally<'_> {
                     let present = self.sources.iter().flatten().count();
                     pass.work = pass.work.of_maps(present as u64, maps);
                 }
-                (PassKind::Workgroups, _) => pass.work = self.in_shared_memory(before, after),
+                (PassKind::Workgroups, _) => {
+                    pass.iteration = Some(iterations);
+                    pass.work = self.in_shared_memory(before, after);
+                }
                 (
                     PassKind::Scan(_) | PassKind::Exchange | PassKind::Count | PassKind::Iteration,
                     Some(number),
@@ -47,7 +50,7 @@ impl Tally<'_> {
                         pass.groups = Some([0, 1, 1]);
                     }
                     if matches!(pass.kind, PassKind::Count | PassKind::Iteration) {
-                        pass.work = pass.work.and(of_ends(number, after));
+                        pass.work = pass.work.and_bytes(of_ends(number, after));
                     }
                 }
                 _ => {}

@@ -57,11 +57,8 @@ impl Calibration {
 
     /// Returns the nanoseconds from a moment on the host's clock to a timestamp of the device.
     pub(crate) fn since(&self, start: Instant, timestamp: u64) -> f64 {
-        let host = if self.at >= start {
-            (self.at - start).as_nanos() as f64
-        } else {
-            -((start - self.at).as_nanos() as f64)
-        };
-        host + self.clock.signed_ticks(self.ticks, timestamp) as f64 * self.clock.period
+        let [after, before] = [(self.at, start), (start, self.at)]
+            .map(|(to, from)| to.saturating_duration_since(from).as_nanos() as f64);
+        after - before + self.clock.signed_ticks(self.ticks, timestamp) as f64 * self.clock.period
     }
 }

@@ -1,11 +1,11 @@
-//! Completes the records of passes with the decisions that the device has made, and counts the steps while they
-//! are recorded.
+//! Completes the records of passes with the decisions that the device has made.
 
 use super::blocks::Blocks;
-use super::pass::{Area, PassKind, PassRecord};
+use super::decisions::Decisions;
+use super::pass::PassRecord;
 use super::work::Work;
 use crate::constants::LAYERS;
-use crate::vulkan::{TexelChart, Tuning};
+use crate::vulkan::record::PassKind;
 
 /// Bytes of a texel of four 32-bit numbers.
 const TEXEL: u64 = 16;
@@ -15,7 +15,7 @@ const TEXEL: u64 = 16;
 /// iterations since a point was first reached, and whether fronts may be renewed. It writes the change, the
 /// iterations, the iterations since a point was first reached, whether fronts may be renewed, and the last
 /// iteration's change.
-const COUNT: Work = Work::of_bytes(4 * 7, 4 * 5);
+pub(super) const COUNT: Work = Work::of_bytes(4 * 7, 4 * 5);
 /// Work of a count whose map was done before.
 const COUNT_BEYOND: Work = Work::of_bytes(4, 0);
 /// Additional work of a count that ends the map: it writes `done`.
@@ -23,7 +23,7 @@ const COUNT_LAST: Work = Work::of_bytes(0, 4);
 
 /// Condition that decides whether a pass visits anything.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Presence {
+pub(super) enum Presence {
     /// No condition: the pass is dispatched as recorded.
     Always,
     /// Visits the blocks of lines that are due.
@@ -43,38 +43,20 @@ pub(crate) enum Presence {
 
 impl Presence {
     /// Combines the condition of a pass with that of the next pass of the same scan or iteration.
-    pub(crate) fn absorb(&mut self, next: Self) {
+    pub(super) fn absorb(&mut self, next: Self) {
         if let (Self::Scans(blocks), Self::Scans(next)) = (self, next) {
             blocks.absorb(next);
         }
     }
 }
 
-/// Decisions of the device in a portion of steps.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Decisions<'a> {
-    /// Number of iterations of the map before the portion.
-    pub before: u32,
-    /// Number of iterations of the map after the portion.
-    pub after: u32,
-    /// Whether the map is done after the portion.
-    pub is_done: bool,
-    /// For each round of the portion, the number of tiles on its list, and the number of those tiles that
-    /// waited for the next round.
-    pub rounds: &'a [[u32; 2]],
-    /// Number of texels that were brought back to one image after the rounds.
-    pub settled: u32,
-    /// A bit for each block of lines in the scans of the portion. It says whether the scan visited the block.
-    pub visits: &'a [u32],
-}
-
 /// Returns the record of a pass once the device's decisions are known.
-pub(crate) fn decided(
+pub(super) fn decided(
     record: PassRecord,
     presence: Presence,
-    decisions: Option<Decisions>,
+    decisions: Option<&Decisions>,
 ) -> PassRecord {
-    let Some(Decisions { before, after, is_done, rounds, settled, visits }) = decisions else {
+    let Some(decisions) = decisions else {
         return match presence {
             Presence::Always => record,
             Presence::Count | Presence::Exchange | Presence::Settle { .. } => {
@@ -83,6 +65,7 @@ pub(crate) fn decided(
             _ => PassRecord { groups: None, work: Work::default(), ..record },
         };
     };
+    let Decisions { before, after, is_done, settled, .. } = *decisions;
     let number = record.iteration.unwrap_or(0);
     // If the portion is only a part of an iteration, it has no count, so `after` equals `before` although the
     // map goes on. Then `is_done` is not set.
@@ -97,17 +80,16 @@ pub(crate) fn decided(
             PassRecord { work: record.work.none(), ..record }
         }
         Presence::Always | Presence::Exchange | Presence::Count => record,
-        Presence::Scans(blocks) => blocks.visited(record, visits).unwrap_or(PassRecord {
-            groups: None,
-            work: Work::default(),
-            ..record
-        }),
+        Presence::Scans(blocks) => blocks
+            .visited(record, &decisions.visits)
+            .unwrap_or(PassRecord { groups: None, work: Work::default(), ..record }),
         Presence::Settle { tiles } => {
             let bytes = 4 * tiles + u64::from(LAYERS) * TEXEL * u64::from(settled);
             PassRecord { work: Work::of_bytes(bytes, bytes), ..record }
         }
         Presence::Round { round, texels, tiles, curved } => {
-            let [listed, waited] = rounds.get(round as usize).copied().unwrap_or_default();
+            let [listed, waited] =
+                decisions.rounds.get(round as usize).copied().unwrap_or_default();
             let visited = listed - waited;
             let skipped = texels * (tiles - u64::from(visited));
             // Only the workgroup of a tile knows how many iterations the tile took inside.
@@ -131,62 +113,5 @@ pub(crate) fn decided(
         false if is_done && before + number + 1 == after => COUNT_LAST,
         false => Work::of_bytes(0, 0),
     };
-    PassRecord { work: record.work.and(more), ..record }
-}
-
-/// Counter of the steps of a recording, in their order.
-pub(crate) struct StepCounter {
-    pub(crate) texels: TexelChart,
-    pub(crate) tuning: Tuning,
-    pub(crate) curved: bool,
-    pub(crate) iteration: u32,
-    /// Number of blocks of lines in the scans so far.
-    pub(crate) scans: u32,
-    /// Bytes that an exchange between copies of points reads and writes.
-    exchanged: [u64; 2],
-}
-
-impl StepCounter {
-    pub(crate) fn new(texels: TexelChart, tuning: Tuning, curved: bool) -> Self {
-        let tuning = tuning.on_grid(texels);
-        Self { texels, tuning, curved, iteration: 0, scans: 0, exchanged: [0; 2] }
-    }
-
-    /// Returns the counter for a surface on which each exchange reads and writes these numbers of bytes. They
-    /// are `None` if the surface is not glued.
-    pub(crate) fn exchanging(self, bytes: Option<[u64; 2]>) -> Self {
-        Self { exchanged: bytes.unwrap_or(self.exchanged), ..self }
-    }
-
-    /// Returns the record of a pass in the current iteration.
-    pub(crate) fn inside(&self, kind: PassKind) -> PassRecord {
-        PassRecord { iteration: Some(self.iteration), ..PassRecord::new(kind) }
-    }
-
-    /// Returns the texels of the grid.
-    pub(crate) fn everywhere(&self) -> Area {
-        Area::new(self.texels.inner_rows(), self.texels.inner_cols())
-    }
-
-    /// Returns the record of an exchange, after a scan, an update or a round of tiles.
-    pub(crate) fn exchange(&self, next_round: Option<u32>) -> (PassRecord, Presence) {
-        let [read, written] = self.exchanged;
-        let (groups, work) = (Some([1; 3]), Work::of_bytes(read, written));
-        let record = match next_round {
-            Some(round) => PassRecord {
-                iteration: Some(round - 1),
-                ..PassRecord::new(PassKind::ExchangeOfTiles)
-            },
-            None => self.inside(PassKind::Exchange),
-        };
-        (PassRecord { groups, work, ..record }, Presence::Exchange)
-    }
-
-    /// Returns the record of the count that ends an iteration.
-    pub(crate) fn count(&mut self) -> (PassRecord, Presence) {
-        let record =
-            PassRecord { groups: Some([1; 3]), work: COUNT, ..self.inside(PassKind::Count) };
-        self.iteration += 1;
-        (record, Presence::Count)
-    }
+    PassRecord { work: record.work.and_bytes(more), ..record }
 }

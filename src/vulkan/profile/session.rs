@@ -8,13 +8,16 @@ use gpu_allocator::MemoryLocation;
 
 use super::calibration::Calibration;
 use super::capabilities::Capabilities;
-use super::pass::{Grain, PassKind, PassRecord};
-use super::slots::{Decided, Profile, QueryRange, Resolved, Slots, results};
+use super::pass::{Grain, PassRecord};
+use super::recorded::Profile;
+use super::resolved::{Resolved, results};
+use super::slots::{Decided, QueryRange, Slots};
 use crate::constants::{HAS_WAITED, ROUNDS};
 use crate::vulkan::VulkanError;
 use crate::vulkan::device::labels::Labels;
 use crate::vulkan::device::memory::{Buffer, BufferInfo};
 use crate::vulkan::headless::context::{CommandBuffer, Context, Submitter};
+use crate::vulkan::record::{Observer, PassKind};
 
 /// Choice of what is observed while a map is computed, in addition to times.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -174,12 +177,12 @@ impl Session {
             unsafe { device.cmd_reset_query_pool(commands, pool, first, count) };
             self.write(device, commands, first);
         }
-        self.profile.begin(device, commands);
+        self.profile.start(device, commands);
     }
 
     /// Writes the end of a command buffer.
     fn close(&self, device: &ash::Device, commands: vk::CommandBuffer) {
-        self.profile.end(device, commands);
+        self.profile.finish(device, commands);
         if let Some(QueryRange { first, count, .. }) = self.around {
             self.write(device, commands, first + count - 1);
         }
@@ -224,9 +227,9 @@ impl Session {
             None => of_passes(),
         };
         let first = around.map(|[first, _]| first).or(start);
-        let tiles = match self.profile.tile_lists() {
-            Some(_) => self.tiles(&passes, lists),
-            None => Vec::new(),
+        let tiles = match self.profile.lists_tiles() {
+            true => self.tiles(&passes, lists),
+            false => Vec::new(),
         };
         self.found.submissions.push(SubmissionRecord {
             submitted,
@@ -267,7 +270,7 @@ impl Submitter for Session {
     fn record(
         &self,
         commands: &CommandBuffer,
-        append: impl FnOnce(&ash::Device, vk::CommandBuffer, Option<&Profile>),
+        append: impl FnOnce(&ash::Device, vk::CommandBuffer, Option<&dyn Observer>),
     ) -> Result<(), VulkanError> {
         commands.record(|device, buffer| {
             self.open(device, buffer);

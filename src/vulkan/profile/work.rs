@@ -25,7 +25,7 @@ use crate::vulkan::upload::SEED_BYTES;
 /// | sources, by a copy | | four numbers a source |
 /// | surroundings | four numbers a source, and 100 texels around it as a scan does | ten numbers a texel |
 /// | seed | ten numbers a texel, and both layers of its fronts | its fronts; in a batch all texels' fronts |
-/// | scans, all points, tiles | a texel's times, 16 lengths and *curvatures* | times, curved fronts' curvature |
+/// | scans, tiles | a texel's times, 16 lengths and *curvatures* | times, curved fronts' curvature |
 /// | exchange | both layers of each copy's texel, and of each texel with copies | both layers of these texels |
 /// | settle | one number a tile, and both layers of the texels that are brought back | the same |
 /// | count, before the map is done | seven numbers of the progress | five; two more if it is done now |
@@ -88,17 +88,35 @@ impl Work {
         Some(self.bytes_read? + self.bytes_written?)
     }
 
-    /// Returns the sum of the work of two passes. `other` is the work of a pass of the same kind, or of the count of an
-    /// iteration, which visits no texels.
-    pub(crate) fn and(self, other: Self) -> Self {
+    /// Returns the sum of the work of two passes that visit texels.
+    pub(super) fn and(self, other: Self) -> Self {
         let sum = |a: Option<u64>, b: Option<u64>| Some(a? + b?);
-        let visits = |a: Option<u64>, b: Option<u64>| Some(a? + b.unwrap_or(0));
         Self {
-            texels: visits(self.texels, other.texels),
-            skipped: visits(self.skipped, other.skipped),
+            texels: sum(self.texels, other.texels),
+            skipped: sum(self.skipped, other.skipped),
             bytes_read: sum(self.bytes_read, other.bytes_read),
             bytes_written: sum(self.bytes_written, other.bytes_written),
-            triangles: visits(self.triangles, other.triangles),
+            triangles: sum(self.triangles, other.triangles),
+        }
+    }
+
+    /// Returns this work with what is known of the bytes of a pass that visits no texels.
+    pub(crate) fn and_bytes(self, other: Self) -> Self {
+        let sum = |a: Option<u64>, b: Option<u64>| Some(a? + b.unwrap_or(0));
+        Self {
+            bytes_read: sum(self.bytes_read, other.bytes_read),
+            bytes_written: sum(self.bytes_written, other.bytes_written),
+            ..self
+        }
+    }
+
+    /// Returns what is known of the bytes of two passes that visit no texels.
+    pub(super) fn and_known_bytes(self, other: Self) -> Self {
+        let sum = |a: Option<u64>, b: Option<u64>| a.map_or(b, |a| Some(a + b.unwrap_or(0)));
+        Self {
+            bytes_read: sum(self.bytes_read, other.bytes_read),
+            bytes_written: sum(self.bytes_written, other.bytes_written),
+            ..self
         }
     }
 
@@ -116,7 +134,7 @@ impl Work {
     /// Returns the work of updating texels. The arrival times of a texel's points are read and written, and
     /// the lengths of their edges are read. With curved fronts their curvature is read and written too, and
     /// the surface's is read.
-    pub(crate) fn of_updates(
+    pub(super) fn of_updates(
         texels: u64,
         skipped: u64,
         curved: bool,
@@ -134,17 +152,16 @@ impl Work {
     }
 
     /// Returns the work of updating texels in a scan.
-    pub(crate) fn of_scan(texels: u64, skipped: u64, curved: bool) -> Self {
+    pub(super) fn of_scan(texels: u64, skipped: u64, curved: bool) -> Self {
         Self::of_updates(texels, skipped, curved, Some(SCAN_TRIANGLES))
     }
 
-    /// Returns the work of solving the surroundings of sources, `each` texels around a source. These texels
-    /// are read once, updated as often as necessary, and written as seeds.
-    pub(crate) fn of_surroundings(sources: u64, each: u64, curved: bool) -> Self {
+    /// Returns the bytes that are read and written to solve the surroundings of sources, `each` texels around a source.
+    /// These texels are read once, updated as often as necessary, and written as seeds.
+    pub(crate) fn of_surroundings(sources: u64, each: u64, curved: bool) -> [Option<u64>; 2] {
         let Self { bytes_read, .. } = Self::of_updates(sources * each, 0, curved, None);
         let places = sources * size_of::<[f32; 4]>() as u64;
-        let seeds = sources * each * SEED_BYTES;
-        Self { bytes_read: bytes_read.map(|read| read + places), ..Self::of_bytes(0, seeds) }
+        [bytes_read.map(|read| read + places), Some(sources * each * SEED_BYTES)]
     }
 
     /// Returns this work without that of texels that were not visited.
@@ -176,14 +193,6 @@ impl Work {
 
     /// Returns the work of a pass over the same texels that visits none of them.
     pub(super) fn none(self) -> Self {
-        let skipped = self.texels.zip(self.skipped).map(|(texels, skipped)| texels + skipped);
-        let zero = |count: Option<u64>| count.map(|_| 0);
-        Self {
-            texels: zero(self.texels),
-            skipped,
-            bytes_read: zero(self.bytes_read),
-            bytes_written: zero(self.bytes_written),
-            triangles: zero(self.triangles),
-        }
+        self.of_maps(0, 1)
     }
 }

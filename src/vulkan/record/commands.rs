@@ -5,6 +5,7 @@ use std::ffi::CStr;
 use ash::vk;
 use bytemuck::{Pod, bytes_of};
 
+use super::observer::Observer;
 use super::turn::Turn;
 use crate::constants::{MOST_GROUPS, WORKGROUP};
 use crate::vulkan::device::barrier;
@@ -13,7 +14,6 @@ use crate::vulkan::device::labels::Group;
 use crate::vulkan::device::limits::column_of;
 use crate::vulkan::device::passes::PUSH_CONSTANT_BYTES;
 use crate::vulkan::device::pipelines::{Pipeline, Pipelines};
-use crate::vulkan::profile::{PassKind, PassRecord, Presence, Profile, Scope, Watch, Work};
 
 /// Command buffer that is being recorded.
 #[derive(Clone, Copy)]
@@ -24,10 +24,10 @@ pub(crate) struct Commands<'a> {
     pub(crate) buffer: vk::CommandBuffer,
     /// Pipelines, which stay alive until the commands have run.
     pub(crate) pipelines: &'a Pipelines,
-    /// Profile that receives the passes, if there is one.
-    pub(crate) profile: Option<&'a Profile>,
+    /// Observer of the passes, if there is one.
+    pub(crate) observer: Option<&'a dyn Observer>,
     /// Turn that decides which part is recorded, if the recording shares its barriers with others ([`Turn`]). Such
-    /// recordings have no labels, and are not in profiles.
+    /// recordings have no labels and are not observed.
     pub(crate) turn: Option<&'a Turn>,
 }
 
@@ -61,31 +61,16 @@ impl Groups {
 }
 
 impl<'a> Commands<'a> {
-    /// Returns commands without a profile.
+    /// Returns commands without an observer.
     pub(crate) fn new(
         device: &'a ash::Device,
         buffer: vk::CommandBuffer,
         pipelines: &'a Pipelines,
     ) -> Self {
-        Self { device, buffer, pipelines, profile: None, turn: None }
+        Self { device, buffer, pipelines, observer: None, turn: None }
     }
 
-    /// Opens a pass that ends when the returned value is dropped. It has a label, and a record in the profile that
-    /// begins with the values of `record`.
-    pub(crate) fn pass_with(&self, record: PassRecord) -> Option<Scope<'a>> {
-        if self.turn.is_some() {
-            return None;
-        }
-        Scope::open(self.watch(), || (record, Presence::Always))
-    }
-
-    /// Opens a pass that copies `bytes` bytes.
-    pub(crate) fn pass_of_copy(&self, kind: PassKind, bytes: u64) -> Option<Scope<'a>> {
-        let work = Work::of_bytes(bytes, bytes);
-        self.pass_with(PassRecord { work, ..PassRecord::new(kind) })
-    }
-
-    /// Opens a label over several passes. It ends when the returned value is dropped.
+    /// Opens a label over commands. It ends when the returned value is dropped.
     pub(crate) fn group(&self, label: &CStr) -> Option<Group<'a>> {
         self.pipelines.labels.as_ref().map(|labels| labels.group(self.buffer, label))
     }
@@ -95,10 +80,11 @@ impl<'a> Commands<'a> {
         self.turn.is_some_and(|turn| !turn.is_now())
     }
 
-    /// Returns the handles with which passes write labels and profile records.
-    pub(crate) fn watch(&self) -> Watch<'a> {
-        let Self { device, buffer, pipelines, profile, .. } = *self;
-        Watch { device, commands: buffer, profile, labels: pipelines.labels.as_ref() }
+    /// Tells the observer about bytes that a command reads and writes.
+    fn note_transfer(&self, read: u64, written: u64) {
+        if let Some(observer) = self.observer {
+            observer.transferred(read, written);
+        }
     }
 
     /// Binds a pipeline and the sets that it uses.
@@ -121,6 +107,9 @@ impl<'a> Commands<'a> {
     pub(crate) fn dispatch<P: Pod>(&self, pipeline: Pipeline<P>, constants: &P, groups: Groups) {
         if self.is_skipped() {
             return;
+        }
+        if let (Some(observer), Groups::These(groups)) = (self.observer, groups) {
+            observer.dispatched(groups);
         }
         let bytes = bytes_of(constants);
         // SAFETY: a pipeline with this layout is bound, the layout has room for the constants of every pass,
@@ -210,6 +199,7 @@ impl<'a> Commands<'a> {
         if self.is_skipped() {
             return;
         }
+        self.note_transfer(0, size);
         // SAFETY: the part lies in the buffer, which nothing else uses until the next barrier.
         unsafe { self.device.cmd_fill_buffer(self.buffer, buffer, offset, size, number) };
     }
@@ -220,6 +210,7 @@ impl<'a> Commands<'a> {
         if self.is_skipped() {
             return;
         }
+        self.note_transfer(0, bytes.len() as u64);
         // SAFETY: the part lies in the buffer, which nothing else uses until the next barrier.
         unsafe { self.device.cmd_update_buffer(self.buffer, buffer, offset, bytes) };
     }
@@ -236,6 +227,8 @@ impl<'a> Commands<'a> {
         if self.is_skipped() {
             return;
         }
+        let bytes = parts.iter().map(|part| part.size).sum();
+        self.note_transfer(bytes, bytes);
         // SAFETY: both buffers hold this many bytes there. For the host's buffers, the host has promised this.
         unsafe { self.device.cmd_copy_buffer(self.buffer, from, to, parts) };
     }

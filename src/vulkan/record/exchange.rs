@@ -1,13 +1,13 @@
 //! Records the exchange of fronts, seeds and curvatures between the copies of each point of a glued surface.
 
 use super::commands::{Commands, Groups};
+use super::pass_kind::PassKind;
 use super::recorder::Recorder;
 use crate::update::Wavefront;
 use crate::vulkan::Schedule;
 use crate::vulkan::copies::{Copies, NO_ROUND};
 use crate::vulkan::device::barrier::{PASS, SHADER, SHADER_WRITE, TRANSFER_WRITE};
 use crate::vulkan::device::passes::{EXCHANGE, SHARE_CURVATURE, Variant};
-use crate::vulkan::profile::{PassKind, PassRecord, Work};
 
 /// Largest number of bytes that one update of a buffer writes.
 const MOST_BYTES: usize = 65_536;
@@ -48,10 +48,7 @@ impl Recorder<'_> {
         let Some(copies) = &self.grid.copies else { return };
         let pipeline = self.pipelines.made(SHARE_CURVATURE, Wavefront::Curved);
         let pipeline = pipeline.expect("a glued surface is only made once its pipelines are");
-        let [read, written] = copies.bytes_of_curvature();
-        let (groups, work) = (Some([1; 3]), Work::of_bytes(read, written));
-        let record = PassRecord { groups, work, ..PassRecord::new(PassKind::Curvature) };
-        let _pass = self.pass_with(record);
+        let _pass = self.pass_moving(PassKind::Curvature, copies.bytes_of_curvature().map(Some));
         self.bind(pipeline, copies.sets(0));
         self.dispatch(pipeline, &copies.push_to_share(), Groups::line(1));
         self.barrier(SHADER_WRITE, SHADER);
@@ -60,9 +57,7 @@ impl Recorder<'_> {
     /// Gives the seeds of a point to all its copies, if the surface is glued. `schedule` is the schedule of the map.
     pub(in crate::vulkan) fn exchange_seeds(&self, variant: Variant, schedule: Schedule) {
         let Some(copies) = &self.grid.copies else { return };
-        let [read, written] = copies.bytes_moved();
-        let (groups, work) = (Some([1; 3]), Work::of_bytes(read, written));
-        let _pass = self.pass_with(PassRecord { groups, work, ..PassRecord::new(PassKind::Seed) });
+        let _pass = self.pass_moving(PassKind::Seed, copies.bytes_moved().map(Some));
         self.exchange(variant, 0, schedule.has_rounds().then_some(0));
         self.barrier(PASS, PASS);
     }

@@ -4,14 +4,14 @@ use std::ops::Range;
 
 use ash::vk;
 
-use super::recorder::{Recorder, dispatched};
+use super::pass_kind::PassKind;
+use super::recorder::Recorder;
 use crate::constants::{CARRIED, FAR, LAYERS, TIME};
 use crate::vulkan::device::barrier::{
     HOST_READ, PASS, SHADER, SHADER_WRITE, TRANSFER, TRANSFER_READ, TRANSFER_WRITE,
 };
 use crate::vulkan::device::passes::{SEED, TRIM, UNPACK};
 use crate::vulkan::device::shaders::{seed, trim, unpack};
-use crate::vulkan::profile::{PassKind, PassRecord, Work};
 use crate::vulkan::schedules::progress::{Outcome, Record, offset};
 use crate::vulkan::upload::{SEED_BYTES, SeedTexel};
 
@@ -22,7 +22,7 @@ fn record_offset(number: usize) -> u64 {
 impl Recorder<'_> {
     /// Clears the map: all points become unreached in both images.
     pub(crate) fn forget(&self) {
-        let _pass = self.pass_over_images(PassKind::Forget, 0, 2 * u64::from(LAYERS) * 16);
+        let _pass = self.pass_over_images(PassKind::Forget, 2 * u64::from(LAYERS) * 16);
         self.barrier(SHADER, TRANSFER_WRITE);
         self.clear_fronts();
         self.barrier(TRANSFER_WRITE, SHADER);
@@ -76,9 +76,7 @@ impl Recorder<'_> {
         if bytes.is_empty() {
             return;
         }
-        let work = Work::of_bytes(0, bytes.len() as u64);
-        let record = PassRecord { dispatches: 0, work, ..PassRecord::new(PassKind::Sources) };
-        let _pass = self.pass_with(record);
+        let _pass = self.pass(PassKind::Sources);
         self.barrier(SHADER, TRANSFER_WRITE);
         self.update(self.grid.download.buffer, 0, bytes);
         self.barrier(TRANSFER_WRITE, SHADER);
@@ -121,7 +119,7 @@ impl Recorder<'_> {
                 .dst_offset(at + offset::INPUT_IN_RECORD)
                 .size(offset::INPUT_BYTES),
         ];
-        let _pass = self.pass_of_copy(PassKind::Outcome, size + offset::INPUT_BYTES);
+        let _pass = self.pass(PassKind::Outcome);
         self.barrier(PASS, TRANSFER_READ);
         self.copy_parts(self.grid.progress.buffer, to, &parts);
     }
@@ -139,10 +137,9 @@ impl Recorder<'_> {
     /// staging buffer, they are then copied to one `half` of it, and the host reads them there.
     pub(crate) fn unpack(&self, rows: Range<usize>, half: usize) {
         let chart = self.grid.chart;
-        let points = (rows.len() * chart.cols) as u64;
-        let work = Work::of_bytes(4 * points, 4 * points);
+        let bytes = 4 * (rows.len() * chart.cols) as u64;
         let size = [chart.cols as u32, rows.len().div_ceil(2) as u32];
-        let _pass = self.pass_with(PassRecord { work, ..dispatched(PassKind::Unpack, size) });
+        let _pass = self.pass_moving(PassKind::Unpack, [Some(bytes); 2]);
         let band = unpack::Push {
             grid: [chart.cols as i32, chart.rows as i32],
             first_row: rows.start as i32,
@@ -157,7 +154,7 @@ impl Recorder<'_> {
         self.host_pass(self.pipelines.of(UNPACK), self.grid.sets.read_back, &band, size);
         if let Some(to) = staging {
             self.barrier(SHADER_WRITE, TRANSFER_READ);
-            self.copy((self.grid.download.buffer, 0), to, 4 * points);
+            self.copy((self.grid.download.buffer, 0), to, bytes);
             self.barrier(TRANSFER_WRITE, HOST_READ);
         } else {
             self.barrier(SHADER_WRITE, HOST_READ);

@@ -4,12 +4,17 @@
 mod commands;
 mod exchange;
 mod map;
+mod observer;
+mod pass_kind;
 mod recorder;
 mod surface;
 mod turn;
 
 pub(crate) use commands::{Commands, Groups};
-pub(crate) use recorder::{Recorder, dispatched};
+pub(crate) use observer::{Moved, Observer, OpenPass, PlannedSteps, StepsOf};
+pub(crate) use pass_kind::MapPart;
+pub use pass_kind::PassKind;
+pub(crate) use recorder::Recorder;
 pub(crate) use turn::Turn;
 
 #[cfg(feature = "capi")]

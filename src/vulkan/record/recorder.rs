@@ -6,11 +6,11 @@ use ash::vk;
 use bytemuck::Pod;
 
 use super::commands::{Commands, Groups};
-use crate::constants::WORKGROUP;
+use super::observer::OpenPass;
+use super::pass_kind::PassKind;
 use crate::vulkan::device::descriptors::Sets;
 use crate::vulkan::device::pipelines::Pipeline;
 use crate::vulkan::grid_images::GridImages;
-use crate::vulkan::profile::{PassKind, PassRecord, Scope, Work};
 
 /// Recorder of one surface.
 #[derive(Clone, Copy)]
@@ -29,30 +29,23 @@ impl<'a> Deref for Recorder<'a> {
 }
 
 impl<'a> Recorder<'a> {
-    /// Opens a pass that is this many invocations wide and high, with bytes read and written for each
+    /// Begins a pass that is this many invocations wide and high, with bytes read and written for each
     /// invocation. The pass ends when the returned value is dropped.
     pub(crate) fn pass_of_each(
         &self,
         kind: PassKind,
         invocations: [u32; 2],
-        [read, written]: [u64; 2],
-    ) -> Option<Scope<'a>> {
+        each: [u64; 2],
+    ) -> Option<OpenPass<'a>> {
         let count = invocations.map(u64::from).iter().product::<u64>();
-        let work = Work::of_bytes(count * read, count * written);
-        self.pass_with(PassRecord { work, ..dispatched(kind, invocations) })
+        self.pass_moving(kind, each.map(|bytes| Some(count * bytes)))
     }
 
-    /// Opens a pass with bytes read and written for each texel of the images, with the border.
-    pub(super) fn pass_over_images(
-        &self,
-        kind: PassKind,
-        read: u64,
-        written: u64,
-    ) -> Option<Scope<'a>> {
+    /// Begins a pass with bytes written for each texel of the images, with the border.
+    pub(super) fn pass_over_images(&self, kind: PassKind, written: u64) -> Option<OpenPass<'a>> {
         let extent = self.grid.texels.fronts_extent();
         let texels = u64::from(extent.width) * u64::from(extent.height);
-        let work = Work::of_bytes(texels * read, texels * written);
-        self.pass_with(PassRecord { work, ..PassRecord::new(kind) })
+        self.pass_moving(kind, [Some(0), Some(texels * written)])
     }
 
     /// Binds a pass that writes one of the two images of fronts and reads the other.
@@ -99,7 +92,7 @@ impl<'a> Recorder<'a> {
         self.dispatch(pipeline, constants, Groups::of(invocations));
     }
 
-    /// Records a pass with one invocation for each group of copies. The profile counts it as a pass of `kind`.
+    /// Records a pass of `kind` with one invocation for each group of copies.
     pub(crate) fn pass_over_groups<P: Pod>(
         &self,
         kind: PassKind,
@@ -109,7 +102,7 @@ impl<'a> Recorder<'a> {
         groups: u32,
     ) {
         // The number of words accessed depends on the gluing, and is not counted.
-        let _pass = self.pass_with(dispatched(kind, [groups, 1]));
+        let _pass = self.pass(kind);
         self.map_pass(pipeline, set, constants, [groups, 1]);
     }
 
@@ -118,11 +111,4 @@ impl<'a> Recorder<'a> {
     pub(crate) fn with_host(&self, set: vk::DescriptorSet) -> Sets {
         self.grid.sets.writing[1].with_host(set)
     }
-}
-
-/// Returns the record of a dispatch that is this many invocations wide and high. Each workgroup is a part of a row of
-/// invocations.
-pub(crate) fn dispatched(kind: PassKind, [width, height]: [u32; 2]) -> PassRecord {
-    let groups = Some([width.div_ceil(WORKGROUP), height, 1]);
-    PassRecord { groups, ..PassRecord::new(kind) }
 }

@@ -4,7 +4,8 @@ use std::ops::Range;
 
 use ash::vk;
 
-use super::recorder::{Recorder, dispatched};
+use super::pass_kind::PassKind;
+use super::recorder::Recorder;
 use crate::constants::{FAR, LAYERS, WITH_CORNERS};
 use crate::surface::{Chart, EdgeRule, Spacing};
 use crate::vulkan::TexelChart;
@@ -15,14 +16,13 @@ use crate::vulkan::device::shaders::{
     edges_from_heights, fan_curvature, gaussian_curvature, typical_edge,
 };
 use crate::vulkan::point_kind::PointKind;
-use crate::vulkan::profile::{PassKind, PassRecord, Work};
 
 impl Recorder<'_> {
     /// Transitions new images into their layout, and clears them: there are no edges, and all points are unreached.
     pub(crate) fn prepare(&self) {
         // Four points' edges, the surface's curvature and two images of fronts.
         let written = (4 + 1 + 2 * u64::from(LAYERS)) * 16;
-        let _pass = self.pass_over_images(PassKind::Prepare, 0, written);
+        let _pass = self.pass_over_images(PassKind::Prepare, written);
         let grid = self.grid;
         let layouts = (vk::ImageLayout::UNDEFINED, vk::ImageLayout::GENERAL);
         for image in [&grid.edges, &grid.gaussian, &grid.fronts[0], &grid.fronts[1]] {
@@ -51,8 +51,7 @@ impl Recorder<'_> {
         let wide = self.grid.lattice.with_halo(chart);
         let read = kind.uploaded_bytes() * (around.len() * wide.cols) as u64;
         let written = 16 * (rows.len() * chart.cols) as u64;
-        let work = Work::of_bytes(read, written);
-        let _pass = self.pass_with(PassRecord { work, ..dispatched(PassKind::Edges, size) });
+        let _pass = self.pass_moving(PassKind::Edges, [Some(read), Some(written)]);
         let spacing = kind.spacing().unwrap_or(Spacing::square(1.0));
         let band = edges_from_heights::Push {
             grid: [chart.cols as i32, chart.rows as i32],
@@ -86,19 +85,10 @@ impl Recorder<'_> {
 
     /// Copies the edges of a band of rows, four lengths a point, from one `half` of the upload buffer to their image.
     pub(crate) fn upload_edges(&self, rows: Range<usize>, half: usize) {
-        let extent = vk::Extent3D {
-            width: self.grid.chart.cols as u32,
-            height: rows.len() as u32,
-            depth: 1,
-        };
-        let bytes = 16 * u64::from(extent.width) * u64::from(extent.height);
-        let _pass = self.pass_of_copy(PassKind::Edges, bytes);
-        self.barrier(SHADER, TRANSFER_WRITE);
-        let border = TexelChart::POINTS_BEFORE as i32;
-        let offset = vk::Offset3D { x: border, y: border + rows.start as i32, z: 0 };
-        let from = self.grid.upload_at(half);
-        self.copy_to_image(from, self.grid.edges.image, (offset, extent));
-        self.barrier(TRANSFER_WRITE, SHADER);
+        let border = TexelChart::POINTS_BEFORE;
+        let first = [border, border + rows.start as u32];
+        let size = [self.grid.chart.cols as u32, rows.len() as u32];
+        self.upload(self.grid.edges.image, first, size, half);
         if rows.end == self.grid.chart.rows {
             self.find_typical_edge();
         }
@@ -107,19 +97,21 @@ impl Recorder<'_> {
     /// Copies values at the points of a band of rows, 2 x 2 a texel, from one `half` of the upload buffer. If `right`
     /// is set, these are slownesses, whose texels lie to the right of those of the Gaussian curvature.
     pub(crate) fn upload_ground(&self, rows: Range<usize>, right: bool, half: usize) {
-        let extent = vk::Extent3D {
-            width: self.grid.chart.cols.div_ceil(2) as u32,
-            height: rows.len().div_ceil(2) as u32,
-            depth: 1,
-        };
-        let bytes = 16 * u64::from(extent.width) * u64::from(extent.height);
-        let _pass = self.pass_of_copy(PassKind::Edges, bytes);
-        self.barrier(SHADER, TRANSFER_WRITE);
         let (row, col, _) = TexelChart::texel_of(rows.start, 0);
-        let x = if right { self.grid.texels.cols + col } else { col } as i32;
-        let offset = vk::Offset3D { x, y: row as i32, z: 0 };
-        let from = self.grid.upload_at(half);
-        self.copy_to_image(from, self.grid.gaussian.image, (offset, extent));
+        let first = [if right { self.grid.texels.cols + col } else { col }, row];
+        let size = [self.grid.chart.cols.div_ceil(2) as u32, rows.len().div_ceil(2) as u32];
+        self.upload(self.grid.gaussian.image, first, size, half);
+    }
+
+    /// Copies texels from one `half` of the upload buffer to an image. `first` is the column and row of the first
+    /// texel, and `size` their number in both directions.
+    fn upload(&self, image: vk::Image, [x, y]: [u32; 2], [width, height]: [u32; 2], half: usize) {
+        let bytes = 16 * u64::from(width) * u64::from(height);
+        let _pass = self.pass_moving(PassKind::Edges, [Some(bytes); 2]);
+        self.barrier(SHADER, TRANSFER_WRITE);
+        let offset = vk::Offset3D { x: x as i32, y: y as i32, z: 0 };
+        let extent = vk::Extent3D { width, height, depth: 1 };
+        self.copy_to_image(self.grid.upload_at(half), image, (offset, extent));
         self.barrier(TRANSFER_WRITE, SHADER);
     }
 

@@ -12,6 +12,7 @@ use crate::vulkan::TexelChart;
 const LINES_IN_TURN: u32 = 64;
 
 /// Order of the passes of an iteration.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Iteration {
     pub(crate) texels: TexelChart,
     /// Number of lines in a block.
@@ -161,7 +162,7 @@ pub(super) fn middle_block(lines: &Range<u32>, block: u32) -> u32 {
 }
 
 /// Returns the texels of a line of a scan.
-pub(super) fn along(texels: TexelChart, scan: Scan) -> Range<u32> {
+pub(in crate::vulkan) fn along(texels: TexelChart, scan: Scan) -> Range<u32> {
     match ScanPair::of(scan) {
         ScanPair::DownUp => texels.inner_cols(),
         ScanPair::RightLeft => texels.inner_rows(),
@@ -169,6 +170,6 @@ pub(super) fn along(texels: TexelChart, scan: Scan) -> Range<u32> {
 }
 
 /// Returns the number of a pass's first block of lines, counted from the start of the grid.
-pub(super) fn block_number(pass: &ScanPass, lines: u32) -> u32 {
+pub(in crate::vulkan) fn block_number(pass: &ScanPass, lines: u32) -> u32 {
     (pass.line - BORDER) / lines
 }

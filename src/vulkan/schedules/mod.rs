@@ -1,9 +1,8 @@
 //! Plans and records the schedules. Each schedule has a file, which states its passes, plans its steps,
-//! starts a map, records the steps and counts their work. This file contains everything that depends on the
+//! starts a map and records the steps. This file contains everything that depends on the
 //! choice of the schedule.
 
-mod accounts;
-mod iteration;
+pub(in crate::vulkan) mod iteration;
 pub(in crate::vulkan) mod method;
 mod order;
 pub mod plan;
@@ -17,10 +16,6 @@ pub(in crate::vulkan) mod tuning;
 
 use super::{Schedule, TexelChart};
 use crate::constants::{SCANS_FOLLOW, TILES_FOLLOW};
-pub(super) use accounts::account;
-pub use accounts::planned;
-pub(crate) use accounts::records;
-pub(super) use iteration::Iteration;
 use order::Order;
 use plan::{Portions, Reached, Step};
 pub(super) use raster::block_of;

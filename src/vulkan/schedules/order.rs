@@ -8,12 +8,10 @@ use super::plan;
 use super::plan::{Portions, Reached, Step};
 use super::progress::{Progress, offset};
 use crate::vulkan::TexelChart;
-use crate::vulkan::device::barrier::{PASS, PASS_AND_HOST, TRANSFER, TRANSFER_READ};
 use crate::vulkan::device::passes::{Pass, Variant};
-use crate::vulkan::profile::{PassRecord, Presence, StepCounter};
 use crate::vulkan::record::{Groups, Recorder};
 
-/// The interface of a schedule: its passes, plan, recording and work.
+/// The interface of a schedule: its passes, plan and recording.
 pub(super) trait Order: Sync {
     /// Returns the numbers of the schedule's passes in the table, without the common passes. Each wavefront
     /// has pipelines of its own for them.
@@ -56,9 +54,6 @@ pub(super) trait Order: Sync {
 
     /// Records a step of the schedule.
     fn record(&self, recording: &mut Steps, step: &Step);
-
-    /// Returns the record of a step, and the condition that decides whether the step visits anything.
-    fn account(&self, counter: &mut StepCounter, step: &Step) -> (PassRecord, Presence);
 }
 
 /// Recording of steps.
@@ -111,18 +106,5 @@ impl Recorder<'_> {
     /// Returns the bytes of one number for each tile.
     pub(super) fn tile_bytes(&self) -> u64 {
         u64::from(self.tiles()) * size_of::<u32>() as u64
-    }
-
-    /// Copies data that passes have written into a buffer that the host reads while later passes of the map run.
-    pub(super) fn copy_for_host(
-        &self,
-        from: vk::Buffer,
-        start: u64,
-        to: (vk::Buffer, u64),
-        size: u64,
-    ) {
-        self.barrier(PASS, TRANSFER_READ);
-        self.copy((from, start), to, size);
-        self.barrier(TRANSFER, PASS_AND_HOST);
     }
 }

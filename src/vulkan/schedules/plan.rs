@@ -127,11 +127,6 @@ impl ScanPass {
         self.middle.map(|_| ScanPair::of(self.scan))
     }
 
-    /// Returns whether another pass is of the same scan, or of the same pair of scans.
-    pub(in crate::vulkan) fn goes_with(&self, other: &Self) -> bool {
-        self.pair() == other.pair() && (self.middle.is_some() || self.scan == other.scan)
-    }
-
     /// Returns the number of blocks of `lines` lines in the pass.
     pub(in crate::vulkan) fn blocks(&self, lines: u32) -> u32 {
         if self.in_turn { self.lines.div_ceil(lines) } else { 1 }

@@ -2,11 +2,10 @@
 
 use super::iteration::{Iteration, along, block_number, lines_of, middle_block};
 use super::order::{Order, Steps};
-use super::plan::{Portions, Reached, Scan, ScanPair, ScanPass, Step};
+use super::plan::{Portions, Reached, Scan, ScanPass, Step};
 use crate::vulkan::device::passes::SCANS;
 use crate::vulkan::device::shaders::progress::Push as Halves;
 use crate::vulkan::device::shaders::scan::Push;
-use crate::vulkan::profile::{Area, Blocks, PassKind, PassRecord, Presence, StepCounter, Work};
 use crate::vulkan::record::{Groups, Recorder};
 use crate::vulkan::{TexelChart, Tuning};
 
@@ -100,60 +99,6 @@ impl Order for Raster {
         };
         recording.dispatch(SCANS[pass.scan as usize], pass.writes, &block, groups);
     }
-
-    fn account(&self, counter: &mut StepCounter, step: &Step) -> (PassRecord, Presence) {
-        let Step::Scan(pass) = step else { return counter.count() };
-        let forward = matches!(pass.scan, Scan::Down | Scan::Right);
-        let block = if forward {
-            pass.line..pass.line + pass.lines
-        } else {
-            pass.line + 1 - pass.lines..pass.line + 1
-        };
-        let by_rows = matches!(pass.scan, Scan::Down | Scan::Up);
-        let length = along(counter.texels, pass.scan).len() as u64;
-        let visited = u64::from(pass.lines) * pass.texels.len() as u64;
-        let skipped = length * u64::from(pass.lines + pass.left_out) - visited;
-        let area = if by_rows {
-            Area::new(block, pass.texels.clone())
-        } else {
-            Area::new(pass.texels.clone(), block)
-        };
-        let width = |range: &std::ops::Range<u32>| range.len() as u32;
-        // Indirect dispatches have the workgroups of a whole line. Others have those of the texels within bounds.
-        let along = if pass.always { width(&pass.texels) } else { length as u32 };
-        let count = pass.blocks(counter.tuning.scan_lines);
-        let record = PassRecord {
-            iteration: Some(counter.iteration),
-            area: Some(area),
-            groups: Some([along.div_ceil(counter.tuning.scan_texels()), 1, 1]),
-            work: Work::of_scan(visited, skipped, counter.curved),
-            ..PassRecord::new(pass.pair().map_or(PassKind::Scan(pass.scan), PassKind::Pair))
-        };
-        let (texels, tuning, curved) = (counter.texels, counter.tuning, counter.curved);
-        let (scan, block) = (pass.scan, block_number(pass, tuning.scan_lines));
-        let first = counter.scans;
-        counter.scans += count;
-        let pairs = pass.middle.is_some();
-        let in_turn = Scan::ALL.map(|other| {
-            let same = other == scan || pairs && ScanPair::of(other) == ScanPair::of(scan);
-            same && pass.in_turn
-        });
-        let presence = match pass.always {
-            true => Presence::Always,
-            false => Presence::Scans(Blocks {
-                texels,
-                tuning,
-                curved,
-                pairs,
-                scan,
-                block,
-                in_turn,
-                first,
-                count,
-            }),
-        };
-        (record, presence)
-    }
 }
 
 /// Returns the push constants of the count that ends an iteration.
@@ -199,7 +144,7 @@ pub(in crate::vulkan) mod tests {
 
     use super::super::plan;
     use crate::surface::Chart;
-    use crate::vulkan::schedules::plan::texels_scanned;
+    use crate::vulkan::schedules::plan::{ScanPair, texels_scanned};
 
     thread_local! {
         /// Whether scans of a pair are recorded in the opposite order.

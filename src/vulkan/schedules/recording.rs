@@ -3,21 +3,17 @@
 use ash::vk;
 
 use super::order::Steps;
+use super::order_of;
 use super::plan::{self, Step};
-use super::progress::{self, Changed, VISITS, offset};
+use super::progress::{self, Changed, offset};
 use super::raster::{self, halves_of};
-use super::{account, order_of};
 use crate::Stop;
 use crate::constants::{FRONTS_ARE_ADDED, FRONTS_MEET};
 use crate::vulkan::copies::Copies;
-use crate::vulkan::device::barrier::MOST_TOGETHER;
-use crate::vulkan::device::barrier::{
-    PASS, PASS_AND_HOST, TRANSFER, TRANSFER_READ, TRANSFER_WRITE,
-};
+use crate::vulkan::device::barrier::{MOST_TOGETHER, PASS, TRANSFER_READ, TRANSFER_WRITE};
 use crate::vulkan::device::passes::{COUNT, EXCHANGE, SEED, SETTLE, Variant};
 use crate::vulkan::grid_images::TILE_WORDS;
-use crate::vulkan::profile::{self, PassKind, PassRecord, Profile, Scope, StepCounter, Work};
-use crate::vulkan::record::{Groups, Recorder};
+use crate::vulkan::record::{Groups, PassKind, PlannedSteps, Recorder, StepsOf};
 use crate::vulkan::{MapLimit, Schedule};
 
 impl Steps<'_, '_> {
@@ -62,8 +58,7 @@ impl Recorder<'_> {
         // The start writes the progress, the state of each tile, and the schedule's own state.
         let written =
             offset::VISITS + TILE_WORDS as u64 * self.tile_bytes() + 4 * order.start_words(self);
-        let work = Work::of_bytes(0, written);
-        let _pass = self.pass_with(PassRecord { work, ..PassRecord::new(PassKind::Start) });
+        let _pass = self.pass_moving(PassKind::Start, [Some(0), Some(written)]);
         self.barrier(TRANSFER_READ, TRANSFER_WRITE);
         self.barrier(PASS, TRANSFER_WRITE);
         let fronts_meet = match (causal, is_added) {
@@ -111,34 +106,33 @@ impl Recorder<'_> {
     /// none.
     pub(crate) fn steps(&self, variant: impl Into<Variant>, steps: &[Step], has_targets: bool) {
         let variant = variant.into();
-        let mut open: Option<Scope> = None;
-        let (texels, tuning) = (self.grid.texels, self.pipelines.tuning);
-        let carries = variant.wavefront.has_two_layers();
-        let exchanged = self.grid.copies.as_ref().map(Copies::bytes_moved);
-        let mut counter = StepCounter::new(texels, tuning, carries).exchanging(exchanged);
-        let notes = self.visits_noted(steps);
-        let visits = u64::from(notes.div_ceil(32)) * size_of::<u32>() as u64;
-        self.decided_before(visits);
+        let planned = PlannedSteps {
+            steps,
+            texels: self.grid.texels,
+            tuning: self.pipelines.tuning,
+            carries: variant.wavefront.has_two_layers(),
+            exchanged: self.grid.copies.as_ref().map(Copies::bytes_moved),
+            of: StepsOf::Map(self.grid),
+        };
+        let notes = self.observer.map_or(0, |observer| observer.begin_steps(self, planned));
         let mut recording = Steps { recorder: self, variant, bound: None, notes, scans: 0 };
         for together in plan::at_once(steps) {
             for (number, step) in raster::in_order(together).enumerate() {
                 if number > 0 {
                     self.between_scans();
                 }
-                Scope::go_on(&mut open, self.watch(), || account(&mut counter, step));
+                let _step = self.step(step);
                 recording.run(step);
             }
             self.barrier(PASS, PASS);
-            if has_targets {
-                drop(open.take());
-                if self.lower_limit(together.last()) {
-                    recording.bound = None;
-                    self.barrier(PASS, PASS);
-                }
+            if has_targets && self.lower_limit(together.last()) {
+                recording.bound = None;
+                self.barrier(PASS, PASS);
             }
         }
-        drop(open);
-        self.decided_after(visits);
+        if let Some(observer) = self.observer {
+            observer.end_steps(self);
+        }
     }
 
     /// Records the steps of plans on several surfaces together. In turn it records the next group of simultaneous steps
@@ -186,48 +180,10 @@ impl Recorder<'_> {
         }
     }
 
-    /// Ends the profile's current portion, after the steps of a plan and the commands around them.
+    /// Tells the observer that the steps of a plan and the commands around them have been recorded.
     pub(crate) fn end_portion(&self) {
-        if let Some(profile) = self.profile {
-            profile.end_portion(self.device, self.buffer);
+        if let Some(observer) = self.observer {
+            observer.end_portion(self);
         }
-    }
-
-    /// Returns the number of blocks of scans for which the device notes its visits. It is 0 unless a profile requests
-    /// the device's decisions, and is limited by the room for these notes.
-    fn visits_noted(&self, steps: &[Step]) -> u32 {
-        if self.profile.and_then(Profile::decisions).is_none() {
-            return 0;
-        }
-        let lines = self.pipelines.tuning.scan_lines;
-        let blocks = steps.iter().map(|step| match step {
-            Step::Scan(pass) => pass.blocks(lines),
-            _ => 0,
-        });
-        blocks.sum::<u32>().min(VISITS)
-    }
-
-    /// Copies the outcome of the iterations so far to the profile's buffer, if there is one, and clears `visits`
-    /// bytes of visits.
-    fn decided_before(&self, visits: u64) {
-        let Some((buffer, offset)) = self.profile.and_then(Profile::decisions) else { return };
-        let work = Work::of_bytes(profile::BEFORE_BYTES, profile::BEFORE_BYTES + visits);
-        let _pass = self.pass_with(PassRecord { work, ..PassRecord::new(PassKind::Decisions) });
-        let progress = self.grid.progress.buffer;
-        self.barrier(PASS, TRANSFER);
-        self.copy((progress, 0), (buffer, offset), profile::BEFORE_BYTES);
-        if visits > 0 {
-            self.fill(progress, offset::VISITS, visits);
-        }
-        self.barrier(TRANSFER, PASS_AND_HOST);
-    }
-
-    /// Copies the device's decisions to the profile's buffer, if there is one, with `visits` bytes of visits.
-    fn decided_after(&self, visits: u64) {
-        let Some((buffer, offset)) = self.profile.and_then(Profile::decisions) else { return };
-        let bytes = offset::VISITS + visits;
-        let _pass = self.pass_of_copy(PassKind::Decisions, bytes);
-        let to = (buffer, offset + profile::BEFORE_BYTES);
-        self.copy_for_host(self.grid.progress.buffer, 0, to, bytes);
     }
 }

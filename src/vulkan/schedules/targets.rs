@@ -6,8 +6,7 @@ use crate::constants::{SCANS_FOLLOW, TILES_FOLLOW};
 use crate::vulkan::MapLimit;
 use crate::vulkan::device::passes::TARGETS;
 use crate::vulkan::device::shaders::targets;
-use crate::vulkan::profile::{PassKind, PassRecord};
-use crate::vulkan::record::{Groups, Recorder};
+use crate::vulkan::record::{Groups, PassKind, Recorder};
 
 impl Recorder<'_> {
     /// Writes the targets of a map, if it has any. The caller records the barriers.
@@ -31,8 +30,7 @@ impl Recorder<'_> {
             Some(Step::Count) => SCANS_FOLLOW,
             _ => return false,
         };
-        let record = PassRecord { groups: Some([1; 3]), ..PassRecord::new(PassKind::Targets) };
-        let _pass = self.pass_with(record);
+        let _pass = self.pass(PassKind::Targets);
         let texels = self.grid.texels.inner().map(|texels| texels as i32);
         let pipeline = self.pipelines.of(TARGETS);
         self.bind_writing(pipeline, 0);

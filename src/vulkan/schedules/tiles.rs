@@ -10,8 +10,7 @@ use crate::vulkan::TexelChart;
 use crate::vulkan::device::barrier::{PASS, TRANSFER, TRANSFER_READ, TRANSFER_WRITE};
 use crate::vulkan::device::passes::{SETTLE, TILES};
 use crate::vulkan::device::shaders::{settle, tiles};
-use crate::vulkan::profile::{PassKind, PassRecord, Presence, Profile, StepCounter, Work};
-use crate::vulkan::record::{Groups, Recorder};
+use crate::vulkan::record::{Groups, PassKind, Recorder};
 
 pub(super) struct Tiles;
 
@@ -62,11 +61,8 @@ impl Order for Tiles {
 
     /// Turns the list of tiles that the last recording has left into the list of the first round.
     fn go_on(&self, recorder: &Recorder) {
-        let later = offset::VISITS - offset::round(1);
         let (list, tiles) = (offset::round(1) - offset::round(0), recorder.tile_bytes());
-        let work = Work::of_bytes(list, list + later + tiles);
-        let record = PassRecord { work, ..PassRecord::new(PassKind::Resume) };
-        let _pass = recorder.pass_with(record);
+        let _pass = recorder.pass(PassKind::Resume);
         let progress = recorder.grid.progress.buffer;
         recorder.barrier(PASS, TRANSFER);
         // `settle.comp` has put the list into the last entry, `ROUNDS`, whatever the number of rounds in its recording.
@@ -88,7 +84,6 @@ impl Order for Tiles {
             Step::Tiles { round } => {
                 let groups = Groups::From(grid.progress.buffer, offset::round(round));
                 recording.dispatch(TILES, 0, &tiles::Push { texels, round }, groups);
-                tile_list(recorder, round);
             }
             Step::Settle { rounds: count } => {
                 let groups = Groups::in_columns(recorder.tiles());
@@ -99,31 +94,4 @@ impl Order for Tiles {
             _ => {}
         }
     }
-
-    fn account(&self, counter: &mut StepCounter, step: &Step) -> (PassRecord, Presence) {
-        let [cols, rows] = counter.texels.tiles(counter.tuning.tile);
-        let tiles = u64::from(cols) * u64::from(rows);
-        if let &Step::Tiles { round } = step {
-            counter.iteration += 1;
-            let record = PassRecord {
-                iteration: Some(round),
-                area: Some(counter.everywhere()),
-                ..counter.inside(PassKind::Tiles)
-            };
-            let texels = u64::from(counter.tuning.tile / 2).pow(2);
-            return (record, Presence::Round { round, texels, tiles, curved: counter.curved });
-        }
-        let groups = Some([tiles as u32, 1, 1]);
-        let record = PassRecord { groups, ..PassRecord::new(PassKind::Settle) };
-        (record, Presence::Settle { tiles })
-    }
-}
-
-/// Copies the list of tiles of a round to the profile's buffer, if there is one.
-fn tile_list(recorder: &Recorder, round: u32) {
-    let Some((buffer, offset)) = recorder.profile.and_then(Profile::tile_lists) else { return };
-    let bytes = recorder.tile_bytes();
-    let from = (2 + u64::from(round % 2)) * bytes;
-    let to = (buffer, offset + u64::from(round) * bytes);
-    recorder.copy_for_host(recorder.grid.tiles.buffer, from, to, bytes);
 }
