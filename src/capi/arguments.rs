@@ -51,6 +51,28 @@ pub(super) unsafe fn list<'a, T>(
     Ok(unsafe { std::slice::from_raw_parts(pointer, count) })
 }
 
+/// Returns the value of an argument that may be null, in which case it is `None`.
+///
+/// # Safety
+/// As for [`reference`].
+pub(super) unsafe fn optional<'a, T>(
+    pointer: *const T,
+    name: &str,
+) -> Result<Option<&'a T>, Failure> {
+    // SAFETY: required.
+    if pointer.is_null() { Ok(None) } else { unsafe { reference(pointer, name) }.map(Some) }
+}
+
+/// Writes the result of a call.
+///
+/// # Safety
+/// As for [`Output::new`].
+pub(super) unsafe fn write<T>(pointer: *mut T, name: &str, value: T) -> Result<(), Failure> {
+    // SAFETY: required.
+    unsafe { Output::new(pointer, name) }?.write(value);
+    Ok(())
+}
+
 /// Pointer to which a call writes its result.
 pub(super) struct Output<T>(*mut T);
 

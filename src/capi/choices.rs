@@ -1,8 +1,8 @@
 //! Enumerations. C passes them as plain integers, so any value may arrive.
 
 use super::status::Failure;
+use crate::Wavefront;
 use crate::surface::EdgeRule;
-use crate::update::Wavefront;
 use crate::vulkan::Schedule;
 
 /// Shape of the wavefront that is assumed inside a triangle.
@@ -80,60 +80,50 @@ pub(super) type EdgeRuleNumber = i32;
 /// Number of a `GeosweepGluing`, not checked yet.
 pub(super) type GluingNumber = i32;
 
-pub(super) fn wavefront(number: WavefrontNumber, name: &str) -> Result<Wavefront, Failure> {
-    let choices = Wavefront::ALL.map(|choice| (wavefront_number(choice), choice));
-    choose(number, name, "GeosweepWavefront", &choices)
+/// Choice of the library that has a number in C.
+pub(super) trait Choice: Copy + PartialEq + 'static {
+    /// Name of the enumeration in the header.
+    const NAME: &'static str;
+    /// All choices with their numbers.
+    const ALL: &'static [(i32, Self)];
 }
 
-/// Returns the number of a wavefront in C.
-pub(super) fn wavefront_number(wavefront: Wavefront) -> WavefrontNumber {
-    match wavefront {
-        Wavefront::Planar => GeosweepWavefront::Planar as i32,
-        Wavefront::Circular => GeosweepWavefront::Circular as i32,
-        Wavefront::Curved => GeosweepWavefront::Curved as i32,
-        Wavefront::Anchored => GeosweepWavefront::Anchored as i32,
-    }
+/// Implements [`Choice`] for enumerations whose names in C are the same.
+macro_rules! choices {
+    ($($choice:ident = $of:ident: $($name:ident),*;)*) => {$(
+        impl $crate::capi::choices::Choice for $choice {
+            const NAME: &'static str = stringify!($of);
+            const ALL: &'static [(i32, Self)] = &[$(($of::$name as i32, Self::$name)),*];
+        }
+    )*};
+}
+pub(super) use choices;
+
+choices! {
+    Wavefront = GeosweepWavefront: Planar, Circular, Curved, Anchored;
+    EdgeRule = GeosweepEdgeRule: Arc, Chord;
+    GeosweepGluing = GeosweepGluing:
+        None, Columns, Rows, Both, FlippedColumns, FlippedRows, Globe, Octahedral, Runs;
 }
 
-/// Returns the schedule with this number, or `None` for the best one.
-pub(super) fn schedule(number: ScheduleNumber, name: &str) -> Result<Option<Schedule>, Failure> {
-    use GeosweepSchedule as S;
-    let choices = [
-        (S::Best as i32, None),
-        (S::Raster as i32, Some(Schedule::Raster)),
-        (S::Tiles as i32, Some(Schedule::Tiles)),
+/// The best schedule is `None`.
+impl Choice for Option<Schedule> {
+    const NAME: &'static str = "GeosweepSchedule";
+    const ALL: &'static [(i32, Self)] = &[
+        (GeosweepSchedule::Best as i32, None),
+        (GeosweepSchedule::Raster as i32, Some(Schedule::Raster)),
+        (GeosweepSchedule::Tiles as i32, Some(Schedule::Tiles)),
     ];
-    choose(number, name, "GeosweepSchedule", &choices)
-}
-
-/// Returns the number of a schedule in C.
-pub(super) fn schedule_number(schedule: Schedule) -> ScheduleNumber {
-    match schedule {
-        Schedule::Raster => GeosweepSchedule::Raster as i32,
-        Schedule::Tiles => GeosweepSchedule::Tiles as i32,
-    }
-}
-
-pub(super) fn edge_rule(number: EdgeRuleNumber, name: &str) -> Result<EdgeRule, Failure> {
-    use GeosweepEdgeRule as R;
-    let choices = [(R::Arc as i32, EdgeRule::Arc), (R::Chord as i32, EdgeRule::Chord)];
-    choose(number, name, "GeosweepEdgeRule", &choices)
-}
-
-/// Returns the gluing with this number.
-pub(super) fn gluing(number: GluingNumber, name: &str) -> Result<GeosweepGluing, Failure> {
-    use GeosweepGluing::*;
-    let choices = [None, Columns, Rows, Both, FlippedColumns, FlippedRows, Globe, Octahedral, Runs];
-    choose(number, name, "GeosweepGluing", &choices.map(|choice| (choice as i32, choice)))
 }
 
 /// Returns the choice with this number.
-pub(super) fn choose<T: Copy>(
-    number: i32,
-    name: &str,
-    of: &str,
-    choices: &[(i32, T)],
-) -> Result<T, Failure> {
-    let choice = choices.iter().find(|choice| choice.0 == number).map(|choice| choice.1);
-    choice.ok_or_else(|| Failure::argument(name, format!("is {number}, which is no {of}")))
+pub(super) fn choose<T: Choice>(number: i32, name: &str) -> Result<T, Failure> {
+    let choice = T::ALL.iter().find(|choice| choice.0 == number).map(|choice| choice.1);
+    choice.ok_or_else(|| Failure::argument(name, format!("is {number}, which is no {}", T::NAME)))
+}
+
+/// Returns the number of a choice in C.
+pub(super) fn number<T: Choice>(choice: T) -> i32 {
+    let of = T::ALL.iter().find(|of| of.1 == choice);
+    of.expect("each choice has a number").0
 }

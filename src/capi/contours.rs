@@ -1,29 +1,27 @@
 //! Contours for drawing in the same frame.
 
-use std::sync::Arc;
-
 use ash::vk;
 
-use super::arguments::{Output, chart, list, reference};
+use super::arguments::{chart, list, reference, write};
 use super::curves::GeosweepCurves;
 use super::frame::{GeosweepAccess, access};
-use super::objects::{exclusive, hand_out, land, object, take};
-use super::record::{output_unless_null, record};
-use super::shared::Shared;
+use super::objects::{kind_of_object, object};
+use super::outputs;
+use super::record::record;
+use super::shared::Made;
 use super::solver::GeosweepSolver;
-use super::status::{Failure, GeosweepStatus, guard};
+use super::status::{Failure, calls};
 use super::surface::GeosweepSurface;
-use crate::vulkan::embed::{self, LevelInput, Recording};
+use crate::vulkan::embed::{self, LevelInput};
 
 /// Largest number of levels in a recording.
 const MOST_LEVELS: usize = 1024;
 
 /// Buffer for the contours of a surface, and the passes that find them. Frames in flight on one queue share
 /// one such object. If contours are read on other queues, create one object for each of these queues.
-pub struct GeosweepContours {
-    pub(super) shared: Arc<Shared>,
-    contours: embed::Contours,
-}
+pub struct GeosweepContours(());
+
+kind_of_object! { GeosweepContours, contours: Made<embed::Contours> }
 
 /// Levels of the contours that a recording finds, and the commands that read them. The levels are a list or,
 /// if `levels` is null, the multiples of a step.
@@ -49,166 +47,111 @@ pub struct GeosweepContourFrame {
     pub reader: GeosweepAccess,
 }
 
-/// Computes the bytes of device memory that contours will take, before they are created: 24 per vertex and
-/// 260 per row of the grid.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn geosweep_contours_bytes_for(
-    solver: *const GeosweepSolver,
-    rows: u32,
-    cols: u32,
-    vertices: u32,
-    bytes: *mut u64,
-) -> GeosweepStatus {
-    guard(|| {
-        // SAFETY: the caller's promise.
-        let (solver, output) = unsafe { (object(solver, "solver")?, Output::new(bytes, "bytes")?) };
-        let Shared { solver, device, .. } = &**solver.shared();
-        output.write(solver.bytes_for_contours(device, chart(rows, cols)?, vertices)?);
-        Ok(())
-    })
-}
+calls! {
+    /// Computes the bytes of device memory that contours will take, before they are created: 24 per vertex and
+    /// 260 per row of the grid.
+    fn geosweep_contours_bytes_for(
+        solver: *const GeosweepSolver,
+        rows: u32,
+        cols: u32,
+        vertices: u32,
+        bytes: *mut u64,
+    ) {
+        outputs::bytes_for(solver, bytes, |solver, device| {
+            Ok(solver.bytes_for_contours(device, chart(rows, cols)?, vertices)?)
+        })?;
+    }
 
-/// Creates contours of a surface with room for `vertices` vertices. Each piece of a contour between grid
-/// lines has two vertices. Allocates device memory and compiles passes. `geosweep_contours_destroy` destroys
-/// the contours.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn geosweep_contours_create(
-    surface: *const GeosweepSurface,
-    vertices: u32,
-    contours: *mut *mut GeosweepContours,
-) -> GeosweepStatus {
-    guard(|| {
-        // SAFETY: the caller's promise.
-        let (surface, output) =
-            unsafe { (object(surface, "surface")?, Output::new(contours, "contours")?) };
-        let GeosweepSurface { shared, surface, .. } = surface;
-        let mut allocator = shared.allocator();
-        let contours = shared.solver.contours(&shared.device, &mut allocator, surface, vertices)?;
-        hand_out(output, GeosweepContours { shared: Arc::clone(shared), contours });
-        Ok(())
-    })
-}
+    /// Creates contours of a surface with room for `vertices` vertices. Each piece of a contour between grid
+    /// lines has two vertices. Allocates device memory and compiles passes. `geosweep_contours_destroy` destroys
+    /// the contours.
+    fn geosweep_contours_create(
+        surface: *const GeosweepSurface,
+        vertices: u32,
+        contours: *mut *mut GeosweepContours,
+    ) {
+        outputs::create(surface, contours, |solver, device, memory, surface| {
+            solver.contours(device, memory, surface, vertices)
+        })?;
+    }
 
-/// Computes the bytes that your own buffer for contours must have, if you provide one.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn geosweep_contours_buffer_bytes(
-    vertices: u32,
-    bytes: *mut u64,
-) -> GeosweepStatus {
-    guard(|| {
-        // SAFETY: the caller's promise.
-        let output = unsafe { Output::new(bytes, "bytes") }?;
-        output.write(embed::Contours::buffer_bytes(vertices));
-        Ok(())
-    })
-}
+    /// Computes the bytes that your own buffer for contours must have, if you provide one.
+    fn geosweep_contours_buffer_bytes(vertices: u32, bytes: *mut u64) {
+        write(bytes, "bytes", embed::Contours::buffer_bytes(vertices))?;
+    }
 
-/// Creates contours as `geosweep_contours_create` does, in your own buffer from its first byte. The buffer's
-/// usage contains `VK_BUFFER_USAGE_STORAGE_BUFFER_BIT` and what its readers need, device addresses included.
-/// The buffer remains yours. While no contours are in use, a render graph may use its memory for other
-/// resources.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn geosweep_contours_create_into(
-    surface: *const GeosweepSurface,
-    vertices: u32,
-    buffer: vk::Buffer,
-    contours: *mut *mut GeosweepContours,
-) -> GeosweepStatus {
-    guard(|| {
-        // SAFETY: the caller's promise.
-        let (surface, output) =
-            unsafe { (object(surface, "surface")?, Output::new(contours, "contours")?) };
-        let GeosweepSurface { shared, surface, .. } = surface;
-        let mut allocator = shared.allocator();
-        let (solver, device) = (&shared.solver, &shared.device);
-        let contours = solver.contours_into(device, &mut allocator, surface, vertices, buffer)?;
-        hand_out(output, GeosweepContours { shared: Arc::clone(shared), contours });
-        Ok(())
-    })
-}
+    /// Creates contours as `geosweep_contours_create` does, in your own buffer from its first byte. The buffer's
+    /// usage contains `VK_BUFFER_USAGE_STORAGE_BUFFER_BIT` and what its readers need, device addresses included.
+    /// The buffer remains yours. While no contours are in use, a render graph may use its memory for other
+    /// resources.
+    fn geosweep_contours_create_into(
+        surface: *const GeosweepSurface,
+        vertices: u32,
+        buffer: vk::Buffer,
+        contours: *mut *mut GeosweepContours,
+    ) {
+        outputs::create(surface, contours, |solver, device, memory, surface| {
+            solver.contours_into(device, memory, surface, vertices, buffer)
+        })?;
+    }
 
-/// Makes contours write to another buffer of yours in later recordings. The contours must have been created
-/// with your own buffer. Recordings in flight continue to use the previous buffer.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn geosweep_contours_set_buffer(
-    contours: *mut GeosweepContours,
-    surface: *const GeosweepSurface,
-    buffer: vk::Buffer,
-) -> GeosweepStatus {
-    guard(|| {
-        // SAFETY: the caller's promise.
-        let (of, surface) =
-            unsafe { (exclusive(contours, "contours")?, object(surface, "surface")?) };
-        let Shared { device, solver, .. } = &*surface.shared;
-        Ok(of.contours.set_buffer(device, solver, &surface.surface, buffer)?)
-    })
-}
+    /// Makes contours write to another buffer of yours in later recordings. The contours must have been created
+    /// with your own buffer. Recordings in flight continue to use the previous buffer.
+    fn geosweep_contours_set_buffer(
+        contours: *mut GeosweepContours,
+        surface: *const GeosweepSurface,
+        buffer: vk::Buffer,
+    ) {
+        outputs::set_buffer(contours, surface, buffer)?;
+    }
 
-/// Returns the bytes of device memory that contours take.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn geosweep_contours_bytes(
-    contours: *const GeosweepContours,
-    bytes: *mut u64,
-) -> GeosweepStatus {
-    guard(|| {
-        // SAFETY: the caller's promise.
-        let (contours, output) =
-            unsafe { (object(contours, "contours")?, Output::new(bytes, "bytes")?) };
-        output.write(contours.contours.bytes());
-        Ok(())
-    })
-}
+    /// Returns the bytes of device memory that contours take.
+    fn geosweep_contours_bytes(contours: *const GeosweepContours, bytes: *mut u64) {
+        outputs::bytes(contours, bytes)?;
+    }
 
-/// Returns where contours are stored, also before any are recorded. They are one curve, drawn as a list of
-/// lines.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn geosweep_contours_curves(
-    contours: *const GeosweepContours,
-    curves: *mut GeosweepCurves,
-) -> GeosweepStatus {
-    guard(|| {
-        // SAFETY: the caller's promise.
-        let (contours, output) =
-            unsafe { (object(contours, "contours")?, Output::new(curves, "curves")?) };
-        output.write(contours.contours.curves().into());
-        Ok(())
-    })
-}
+    /// Returns where contours are stored, also before any are recorded. They are one curve, drawn as a list of
+    /// lines.
+    fn geosweep_contours_curves(contours: *const GeosweepContours, curves: *mut GeosweepCurves) {
+        write(curves, "curves", object(contours)?.of.curves().into())?;
+    }
 
-/// Records the search for the contours of the map. Lifts them to the surface and stores them for you to draw.
-/// Equal maps give equal contours in equal order. Call this after the map was recorded, in the same command
-/// buffer or after `geosweep_record_begin`. If there is not enough room for all vertices, the southern
-/// contours are left out, and the record has the number of vertices that all contours need. Writes where
-/// contours are stored to `result` unless that is null.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn geosweep_record_contours(
-    surface: *const GeosweepSurface,
-    commands: vk::CommandBuffer,
-    contours: *const GeosweepContours,
-    frame: *const GeosweepContourFrame,
-    result: *mut GeosweepCurves,
-) -> GeosweepStatus {
-    let append = |_: &_, recording: Recording| {
-        // SAFETY: the caller's promise.
-        let (output, contours, given, levels) = unsafe {
-            let output = output_unless_null(result)?;
-            let contours = object(contours, "contours")?;
-            let given = reference(frame, "frame")?;
-            (output, contours, given, levels(given)?)
-        };
-        let curves = recording.points_at(given.points_offset).contours(
-            &contours.contours,
-            &embed::ContourFrame::new(levels, access(given.reader, "frame->reader")?)
+    /// Records the search for the contours of the map. Lifts them to the surface and stores them for you to draw.
+    /// Equal maps give equal contours in equal order. Call this after the map was recorded, in the same command
+    /// buffer or after `geosweep_record_begin`. If there is not enough room for all vertices, the southern
+    /// contours are left out, and the record has the number of vertices that all contours need. Writes where
+    /// contours are stored to `result` unless that is null.
+    fn geosweep_record_contours(
+        surface: *const GeosweepSurface,
+        commands: vk::CommandBuffer,
+        contours: *const GeosweepContours,
+        frame: *const GeosweepContourFrame,
+        result: *mut GeosweepCurves,
+    ) {
+        record(surface, commands, result, |_, recording| {
+            let (contours, given) = (object(contours)?, reference(frame, "frame")?);
+            let reader = access(given.reader, "frame->reader")?;
+            let frame = embed::ContourFrame::new(levels(given)?, reader)
                 .with_start(given.start)
-                .with_points(given.points as usize),
-        )?;
-        if let Some(output) = output {
-            output.write(curves.into());
-        }
-        Ok(())
-    };
-    // SAFETY: the caller's promise.
-    unsafe { record(surface, commands, append) }
+                .with_points(given.points as usize);
+            Ok(recording.points_at(given.points_offset).contours(&contours.of, &frame)?)
+        })?;
+    }
+
+    /// Makes contours read the surface's points that `geosweep_surface_set_points` has set since the contours
+    /// were created. Recordings in flight continue to read the previous points.
+    fn geosweep_contours_rebind(
+        contours: *mut GeosweepContours,
+        surface: *const GeosweepSurface,
+    ) {
+        outputs::rebind(contours, surface)?;
+    }
+
+    /// Destroys contours, before or after their surface. No submitted work may still use them; a solver with
+    /// checks verifies that. Null is allowed.
+    fn geosweep_contours_destroy(contours: *mut GeosweepContours) {
+        outputs::destroy(contours)?;
+    }
 }
 
 /// Returns the levels of a frame.
@@ -226,40 +169,4 @@ unsafe fn levels<'a>(given: &GeosweepContourFrame) -> Result<LevelInput<'a>, Fai
     }
     // SAFETY: the caller's promise.
     unsafe { list(levels, level_count, MOST_LEVELS, "frame->levels") }.map(LevelInput::List)
-}
-
-/// Makes contours read the surface's points that `geosweep_surface_set_points` has set since the contours
-/// were created. Recordings in flight continue to read the previous points.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn geosweep_contours_rebind(
-    contours: *mut GeosweepContours,
-    surface: *const GeosweepSurface,
-) -> GeosweepStatus {
-    guard(|| {
-        // SAFETY: the caller's promise.
-        let (of, surface) =
-            unsafe { (exclusive(contours, "contours")?, object(surface, "surface")?) };
-        let Shared { device, solver, .. } = &*surface.shared;
-        Ok(of.contours.rebind(device, solver, &surface.surface)?)
-    })
-}
-
-/// Destroys contours, before or after their surface. No submitted work may still use them; a solver with
-/// checks verifies that. Null is allowed.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn geosweep_contours_destroy(
-    contours: *mut GeosweepContours,
-) -> GeosweepStatus {
-    guard(|| {
-        // SAFETY: the caller's promise.
-        let Some(_) = (unsafe { land(contours, "contours", |of| of.contours.is_in_flight()) })?
-        else {
-            return Ok(());
-        };
-        // SAFETY: the caller's promise.
-        let Some(contours) = unsafe { take(contours, "contours") }? else { return Ok(()) };
-        let GeosweepContours { shared, mut contours } = contours;
-        contours.destroy(&shared.device, &mut shared.allocator());
-        Ok(())
-    })
 }

@@ -2,13 +2,13 @@
 //! call.
 
 use super::arguments::{chart, list, reference, usable};
-use super::choices::{EdgeRuleNumber, WavefrontNumber, edge_rule, wavefront};
+use super::choices::{EdgeRuleNumber, WavefrontNumber, choose};
 use super::frame::GeosweepSource;
 use super::points::{Form, GeosweepPoints};
-use super::status::{Failure, GeosweepStatus, guard};
+use super::status::{Failure, calls};
 use crate::geometry::{BackDirections, LogMap, Nearest, signed_distances_by_mask};
 use crate::surface::{Chart, EdgeLengths, Sources, Surface};
-use crate::{Engine, Options, Targets, distance_map};
+use crate::{Engine, Options, Targets, Wavefront, distance_map};
 
 /// Largest number of sources, and of targets, of a map on the CPU.
 const MOST_PLACES: usize = 1 << 24;
@@ -78,7 +78,7 @@ impl GeosweepMapInfo {
             let reason = "is null: a map on the CPU reads points in the program's memory";
             return Err(Failure::argument("info->points.data", reason));
         };
-        let rule = edge_rule(self.edge_rule, "info->edge_rule")?;
+        let rule = choose(self.edge_rule, "info->edge_rule")?;
         // SAFETY: the caller's promise.
         unsafe { layout.read(arrays, chart, rule, "info->points.") }
     }
@@ -108,7 +108,7 @@ impl GeosweepMapInfo {
         for &GeosweepSource { row, col, time, .. } in given {
             sources = sources.and_point(row.into(), col.into(), time.into());
         }
-        let front = wavefront(self.wavefront, "info->wavefront")?;
+        let front: Wavefront = choose(self.wavefront, "info->wavefront")?;
         let mut options = Options::default().with_engine(Engine::Cpu).with_wavefront(front);
         if self.radius != 0.0 {
             options = options.with_radius(self.radius);
@@ -139,68 +139,62 @@ unsafe fn put<T: Copy>(to: *mut T, values: &[T], name: &str) -> Result<(), Failu
     Ok(())
 }
 
-/// Computes a map on the CPU, without a solver and a device, and writes what is asked for. The call lasts until
-/// the map is finished. With a radius or targets, only the part of the map that is reached takes time. If the
-/// targets cannot be reached, the map is whole.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn geosweep_cpu_map(
-    info: *const GeosweepMapInfo,
-    outputs: *const GeosweepMapOutputs,
-) -> GeosweepStatus {
-    guard(|| {
-        // SAFETY: the caller's promise.
-        let (info, to) = unsafe { (reference(info, "info")?, reference(outputs, "outputs")?) };
+calls! {
+    /// Computes a map on the CPU, without a solver and a device, and writes what is asked for. The call lasts until
+    /// the map is finished. With a radius or targets, only the part of the map that is reached takes time. If the
+    /// targets cannot be reached, the map is whole.
+    fn geosweep_cpu_map(info: *const GeosweepMapInfo, outputs: *const GeosweepMapOutputs) {
+        let (info, to) = (reference(info, "info")?, reference(outputs, "outputs")?);
         let chart = chart(info.rows, info.cols)?;
-        // SAFETY: the caller's promise.
-        let (surface, (sources, options)) = unsafe { (info.surface(chart)?, info.problem()?) };
-        let failed = |error: &dyn std::fmt::Display| Failure::argument("info:", error);
-        let map = distance_map(&surface, &sources, &options).map_err(|error| failed(&error))?;
-        let edges = || EdgeLengths::<f32>::new(&surface).map_err(|error| failed(&error));
+        let (surface, (sources, options)) = (info.surface(chart)?, info.problem()?);
+        let map = distance_map(&surface, &sources, &options).map_err(failed)?;
+        let edges = || EdgeLengths::<f32>::new(&surface).map_err(failed);
         // All is computed before anything is written, so that a failure leaves the arrays as they were.
         let wants_ways = !to.back_directions.is_null() || !to.back_links.is_null();
-        let edges_of_ways = wants_ways.then(edges).transpose()?;
-        let ways = edges_of_ways.as_ref().map(|edges| {
-            let ways = BackDirections::new(&surface, edges, &sources, &map.distances);
-            ways.map_err(|error| failed(&error))
-        });
-        let ways = ways.transpose()?;
-        let nearest = (!to.nearest.is_null()).then(|| {
-            let nearest = Nearest::new(&surface, &edges()?, &sources, &map.distances);
-            nearest.map_err(|error| failed(&error))
-        });
-        let nearest = nearest.transpose()?;
-        let log_map = (!to.log_map.is_null()).then(|| {
-            let log_map = LogMap::new(&surface, &sources).map_err(|error| failed(&error))?;
-            Ok::<_, Failure>(log_map.where_reached(&map.distances))
-        });
-        let log_map = log_map.transpose()?;
-        let signed = (!to.signed_distances.is_null()).then(|| {
+        let edges_of_ways = unless(!wants_ways, edges)?;
+        let ways = unless(!wants_ways, || {
+            let edges = edges_of_ways.as_ref().expect("they were measured above");
+            BackDirections::new(&surface, edges, &sources, &map.distances).map_err(failed)
+        })?;
+        let nearest = unless(to.nearest.is_null(), || {
+            Nearest::new(&surface, &edges()?, &sources, &map.distances).map_err(failed)
+        })?;
+        let log_map = unless(to.log_map.is_null(), || {
+            let log_map = LogMap::new(&surface, &sources).map_err(failed)?;
+            Ok(log_map.where_reached(&map.distances))
+        })?;
+        let signed = unless(to.signed_distances.is_null(), || {
             let points = u32::try_from(chart.points()).unwrap_or(u32::MAX);
-            // SAFETY: the caller's promise.
-            let inside = unsafe { list(to.inside, points, usize::MAX, "outputs->inside")? };
+            let inside = list(to.inside, points, usize::MAX, "outputs->inside")?;
             let inside: Vec<_> = inside.iter().map(|&inside| inside != 0).collect();
-            let signed = signed_distances_by_mask(chart, &map.distances, &inside);
-            signed.map_err(|error| failed(&error))
-        });
-        let signed = signed.transpose()?;
-        // SAFETY: all arrays have an entry for each point, by the caller's promise.
-        unsafe {
-            put(to.distances, &map.distances, "outputs->distances")?;
-            if let Some(ways) = ways {
-                let steps = ways.in_chart();
-                put(to.back_directions, steps.as_flattened(), "outputs->back_directions")?;
-                put(to.back_links, &ways.links(), "outputs->back_links")?;
-            }
-            if let Some(nearest) = nearest {
-                put(to.nearest, &nearest.sources, "outputs->nearest")?;
-            }
-            if let Some(log_map) = log_map {
-                put(to.log_map, log_map.coordinates.as_flattened(), "outputs->log_map")?;
-            }
-            if let Some(signed) = signed {
-                put(to.signed_distances, &signed, "outputs->signed_distances")?;
-            }
+            signed_distances_by_mask(chart, &map.distances, &inside).map_err(failed)
+        })?;
+        put(to.distances, &map.distances, "outputs->distances")?;
+        if let Some(ways) = ways {
+            let steps = ways.in_chart();
+            put(to.back_directions, steps.as_flattened(), "outputs->back_directions")?;
+            put(to.back_links, &ways.links(), "outputs->back_links")?;
         }
-        Ok(())
-    })
+        if let Some(nearest) = nearest {
+            put(to.nearest, &nearest.sources, "outputs->nearest")?;
+        }
+        if let Some(log_map) = log_map {
+            put(to.log_map, log_map.coordinates.as_flattened(), "outputs->log_map")?;
+        }
+        if let Some(signed) = signed {
+            put(to.signed_distances, &signed, "outputs->signed_distances")?;
+        }
+    }
+}
+
+fn failed(error: impl std::fmt::Display) -> Failure {
+    Failure::argument("info:", error)
+}
+
+/// Computes a value unless nothing asks for it.
+fn unless<T>(
+    is_unasked: bool,
+    compute: impl FnOnce() -> Result<T, Failure>,
+) -> Result<Option<T>, Failure> {
+    if is_unasked { Ok(None) } else { compute().map(Some) }
 }

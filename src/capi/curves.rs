@@ -2,8 +2,9 @@
 
 use ash::vk;
 
-use super::arguments::{Output, reference};
-use super::status::{GeosweepStatus, guard};
+use super::arguments::{reference, write};
+use super::shared::same_fields;
+use super::status::calls;
 use crate::vulkan::embed::{self, CurveStatus};
 
 /// Size in bytes of a curve's record in a `GeosweepCurves`. It is the stride of indirect draws, and the size
@@ -92,11 +93,8 @@ pub struct GeosweepCurveRecord {
     pub length: f32,
 }
 
-impl From<embed::CurveBuffer> for GeosweepCurves {
-    fn from(curves: embed::CurveBuffer) -> Self {
-        let embed::CurveBuffer { buffer, curves, vertices_offset, capacity } = curves;
-        Self { buffer, vertices_offset, curves, capacity }
-    }
+same_fields! {
+    embed::CurveBuffer => GeosweepCurves { buffer, vertices_offset, curves, capacity };
 }
 
 impl From<CurveStatus> for GeosweepCurveStatus {
@@ -125,20 +123,10 @@ impl From<embed::CurveRecord> for GeosweepCurveRecord {
     }
 }
 
-/// Reads the record of a curve from `GEOSWEEP_CURVE_RECORD_BYTES` bytes that you have copied from the buffer.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn geosweep_curve_record_from_bytes(
-    bytes: *const u8,
-    record: *mut GeosweepCurveRecord,
-) -> GeosweepStatus {
-    guard(|| {
-        const BYTES: usize = embed::CurveRecord::BYTES as usize;
-        // SAFETY: the caller's promise.
-        let (bytes, output) = unsafe {
-            let output = Output::new(record, "record")?;
-            (reference(bytes.cast::<[u8; BYTES]>(), "bytes")?, output)
-        };
-        output.write(bytemuck::pod_read_unaligned::<embed::CurveRecord>(bytes).into());
-        Ok(())
-    })
+calls! {
+    /// Reads the record of a curve from `GEOSWEEP_CURVE_RECORD_BYTES` bytes that you have copied from the buffer.
+    fn geosweep_curve_record_from_bytes(bytes: *const u8, record: *mut GeosweepCurveRecord) {
+        let bytes = reference(bytes.cast::<[u8; embed::CurveRecord::BYTES as usize]>(), "bytes")?;
+        write(record, "record", bytemuck::pod_read_unaligned::<embed::CurveRecord>(bytes).into())?;
+    }
 }

@@ -10,7 +10,6 @@ use super::status::Failure;
 use crate::vulkan::embed::{
     Access, MOST_TARGETS, MapLimit, PointSource, Reader, SourceInput, TargetPoint,
 };
-use crate::vulkan::grid_images::INLINE_SOURCES;
 
 /// Value of `GeosweepFrame::points` if the points have not changed since the last frame.
 pub const GEOSWEEP_POINTS_UNCHANGED: u32 = 0xFFFF_FFFF;
@@ -191,7 +190,7 @@ pub(super) unsafe fn sources<'a>(
         return Err(Failure::argument(&name.replace(".sources", ".offset"), reason));
     }
     // SAFETY: the caller's promise.
-    let sources = unsafe { list(given.sources, given.count, INLINE_SOURCES, name) }?;
+    let sources = unsafe { list(given.sources, given.count, SourceInput::MOST_INLINE, name) }?;
     // Both types are four floats with the same meaning.
     Ok(SourceInput::Inline(bytemuck::cast_slice::<GeosweepSource, PointSource>(sources)))
 }

@@ -37,11 +37,11 @@ mod cpu_map;
 mod curves;
 mod directions;
 mod frame;
-mod kinds;
 mod loader;
 mod log_map;
 mod memory;
 mod objects;
+mod outputs;
 mod paths;
 mod plan;
 mod points;
@@ -54,7 +54,6 @@ mod solver;
 mod status;
 mod surface;
 mod surface_info;
-mod way_image;
 
 pub use choices::{GeosweepEdgeRule, GeosweepGluing, GeosweepSchedule, GeosweepWavefront};
 pub use contours::*;
@@ -78,17 +77,3 @@ pub use solver::*;
 pub use status::{GeosweepStatus, geosweep_last_error};
 pub use surface::*;
 pub use surface_info::*;
-
-/// Asserts what the header promises about threads.
-const _: () = {
-    const fn for_any_thread<T: Send + Sync>() {}
-    for_any_thread::<GeosweepSolver>();
-    for_any_thread::<GeosweepSurface>();
-    for_any_thread::<GeosweepPlan>();
-    for_any_thread::<GeosweepContours>();
-    for_any_thread::<GeosweepPaths>();
-    for_any_thread::<GeosweepRegions>();
-    for_any_thread::<GeosweepDirections>();
-    for_any_thread::<GeosweepLogMap>();
-    for_any_thread::<GeosweepProfile>();
-};

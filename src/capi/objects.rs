@@ -9,28 +9,64 @@ use super::status::Failure;
 
 /// An object that the program holds by a pointer, after a mark of its kind.
 #[repr(C)]
-struct Handed<T> {
+struct Handed<T: Object> {
     /// [`Object::MARK`], or [`DESTROYED`].
     mark: AtomicU32,
-    object: MaybeUninit<T>,
+    held: MaybeUninit<T::Held>,
 }
 
 const DESTROYED: u32 = 0xDEAD_6753;
 
-/// A kind of object.
+/// A kind of object, as the header declares it.
 pub(super) trait Object {
+    /// Value that the program holds by a pointer to this type.
+    type Held;
     /// Name of the kind in the header.
     const NAME: &'static str;
+    /// Name of arguments of this kind.
+    const ARGUMENT: &'static str;
     /// Mark of the kind. No other kind has it, and other memory hardly ever contains it.
-    const MARK: u32;
+    const MARK: u32 = mark_of(Self::NAME);
 
     /// Returns the shared state of the solver to which the object belongs.
-    fn shared(&self) -> &Shared;
+    fn shared(held: &Self::Held) -> &Shared;
+}
+
+/// Defines a kind of object: its name in C, that of arguments, and the value that the program holds.
+macro_rules! kind_of_object {
+    ($kind:ident, $name:ident: $held:ty) => {
+        impl $crate::capi::objects::Object for $kind {
+            type Held = $held;
+            const NAME: &'static str = stringify!($kind);
+            const ARGUMENT: &'static str = stringify!($name);
+
+            fn shared(held: &$held) -> &$crate::capi::shared::Shared {
+                held.as_ref()
+            }
+        }
+
+        /// Asserts what the header promises about threads.
+        const _: () = {
+            const fn for_any_thread<T: Send + Sync>() {}
+            for_any_thread::<$held>();
+        };
+    };
+}
+pub(super) use kind_of_object;
+
+/// Returns the mark of a kind: the FNV-1a hash of its name.
+const fn mark_of(name: &str) -> u32 {
+    let (mut hash, mut at) = (0x811C_9DC5_u32, 0);
+    while at < name.len() {
+        hash = (hash ^ name.as_bytes()[at] as u32).wrapping_mul(0x0100_0193);
+        at += 1;
+    }
+    hash
 }
 
 /// Gives an object to the program, until [`take`] takes it back.
-pub(super) fn hand_out<T: Object>(to: Output<*mut T>, object: T) {
-    let handed = Handed { mark: T::MARK.into(), object: MaybeUninit::new(object) };
+pub(super) fn hand_out<T: Object>(to: Output<*mut T>, held: T::Held) {
+    let handed = Handed::<T> { mark: T::MARK.into(), held: MaybeUninit::new(held) };
     to.write(Box::into_raw(Box::new(handed)).cast());
 }
 
@@ -39,12 +75,12 @@ pub(super) fn hand_out<T: Object>(to: Output<*mut T>, object: T) {
 /// # Safety
 /// The pointer is null, badly aligned, or from [`hand_out`], possibly for another kind. The memory that it
 /// points to was not freed: solvers with checks keep the memory of destroyed objects.
-unsafe fn handed<T: Object>(pointer: *const T, name: &str) -> Result<*const Handed<T>, Failure> {
+unsafe fn handed<T: Object>(pointer: *const T, name: &str) -> Result<*mut Handed<T>, Failure> {
     let pointer = pointer.cast::<Handed<T>>();
     usable(pointer, name)?;
     // SAFETY: all kinds begin with a mark.
     match unsafe { (*pointer).mark.load(Ordering::Relaxed) } {
-        mark if mark == T::MARK => Ok(pointer),
+        mark if mark == T::MARK => Ok(pointer.cast_mut()),
         DESTROYED => Err(Failure::argument(name, "was destroyed before")),
         _ => Err(Failure::argument(name, format!("is no {}", T::NAME))),
     }
@@ -54,47 +90,61 @@ unsafe fn handed<T: Object>(pointer: *const T, name: &str) -> Result<*const Hand
 ///
 /// # Safety
 /// As for [`handed`]. Nothing changes the object during the call.
-pub(super) unsafe fn object<'a, T: Object>(
+pub(super) unsafe fn object<'a, T: Object + 'a>(pointer: *const T) -> Result<&'a T::Held, Failure> {
+    // SAFETY: required.
+    unsafe { object_named(pointer, T::ARGUMENT) }
+}
+
+/// Returns an object that is not an argument of its own, and has this name.
+///
+/// # Safety
+/// As for [`object`].
+pub(super) unsafe fn object_named<'a, T: Object + 'a>(
     pointer: *const T,
     name: &str,
-) -> Result<&'a T, Failure> {
+) -> Result<&'a T::Held, Failure> {
     // SAFETY: required. The mark proves that the object exists.
-    Ok(unsafe { (*handed(pointer, name)?).object.assume_init_ref() })
+    Ok(unsafe { (*handed(pointer, name)?).held.assume_init_ref() })
 }
 
 /// Returns an object that the call may change.
 ///
 /// # Safety
 /// As for [`object`]. Nothing else reads the object either.
-pub(super) unsafe fn exclusive<'a, T: Object>(
+pub(super) unsafe fn exclusive<'a, T: Object + 'a>(
     pointer: *mut T,
-    name: &str,
-) -> Result<&'a mut T, Failure> {
+) -> Result<&'a mut T::Held, Failure> {
     // SAFETY: required. The mark proves that the object exists.
-    unsafe {
-        let handed = handed(pointer, name)?.cast_mut();
-        Ok((*handed).object.assume_init_mut())
-    }
+    Ok(unsafe { (*handed(pointer, T::ARGUMENT)?).held.assume_init_mut() })
 }
 
-/// Returns an object that is about to be destroyed, or `None` for null. With checks, this is an error while a
-/// recording that uses the object has not run.
+/// Takes an object back from the program, to destroy it. Returns `None` for null. With checks, this is an error while
+/// a recording that uses the object has not run. The object's memory is kept then, so that a later use of the pointer
+/// is an error and not undefined behaviour.
 ///
 /// # Safety
-/// As for [`object`].
-pub(super) unsafe fn land<'a, T: Object>(
-    pointer: *const T,
-    name: &str,
-    is_in_flight: impl FnOnce(&T) -> bool,
-) -> Result<Option<&'a T>, Failure> {
+/// As for [`exclusive`].
+pub(super) unsafe fn take<T: Object>(
+    pointer: *mut T,
+    is_in_flight: impl FnOnce(&T::Held) -> bool,
+) -> Result<Option<T::Held>, Failure> {
     if pointer.is_null() {
         return Ok(None);
     }
-    // SAFETY: required.
-    let of: &T = unsafe { object(pointer, name) }?;
-    match of.shared().has_checks() && is_in_flight(of) {
-        true => Err(in_flight(name, "is destroyed and a recording of it has not run")),
-        false => Ok(Some(of)),
+    // SAFETY: required. The object is moved out only once, since the mark then says that it was destroyed.
+    unsafe {
+        let held = object(pointer)?;
+        let has_checks = T::shared(held).has_checks();
+        if has_checks && is_in_flight(held) {
+            return Err(in_flight(T::ARGUMENT, "is destroyed and a recording of it has not run"));
+        }
+        let handed = handed(pointer, T::ARGUMENT)?;
+        (*handed).mark.store(DESTROYED, Ordering::Relaxed);
+        let held = (*handed).held.assume_init_read();
+        if !has_checks {
+            drop(Box::from_raw(handed));
+        }
+        Ok(Some(held))
     }
 }
 
@@ -107,25 +157,4 @@ pub(super) fn in_flight(name: &str, what: &str) -> Failure {
              geosweep_surface_discard_commands that there will be none"
         ),
     )
-}
-
-/// Takes an object back from the program. Returns `None` for null. With checks, its memory is kept, so that a
-/// later use of the pointer is an error and not undefined behaviour.
-///
-/// # Safety
-/// As for [`exclusive`].
-pub(super) unsafe fn take<T: Object>(pointer: *mut T, name: &str) -> Result<Option<T>, Failure> {
-    if pointer.is_null() {
-        return Ok(None);
-    }
-    // SAFETY: required. The object is moved out only once, since the mark then says that it was destroyed.
-    unsafe {
-        let handed = handed(pointer, name)?.cast_mut();
-        (*handed).mark.store(DESTROYED, Ordering::Relaxed);
-        let object = (*handed).object.assume_init_read();
-        if !object.shared().has_checks() {
-            drop(Box::from_raw(handed));
-        }
-        Ok(Some(object))
-    }
 }

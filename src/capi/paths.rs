@@ -1,30 +1,28 @@
 //! Geodesic paths for drawing in the same frame.
 
-use std::sync::Arc;
-
 use ash::vk;
 use ash::vk::Handle;
 
-use super::arguments::{Output, list, reference};
+use super::arguments::{list, reference, write};
 use super::curves::GeosweepCurves;
 use super::frame::{GeosweepAccess, GeosweepSources, access, sources};
-use super::objects::{exclusive, hand_out, land, object, take};
-use super::record::{output_unless_null, record};
-use super::shared::Shared;
+use super::objects::{kind_of_object, object};
+use super::outputs;
+use super::record::record;
+use super::shared::Made;
 use super::solver::GeosweepSolver;
-use super::status::{Failure, GeosweepStatus, guard};
+use super::status::{Failure, calls};
 use super::surface::GeosweepSurface;
-use crate::vulkan::embed::{self, PathsInfo, Recording, StartInput};
+use crate::vulkan::embed::{self, PathsInfo, StartInput};
 
 /// Largest number of starts in a recording from the program's memory.
 const MOST_STARTS: usize = 8192;
 
 /// Buffer for the paths on a surface, and the passes that trace them. Frames in flight on one queue share one
 /// such object. If paths are read on other queues, create one object for each of these queues.
-pub struct GeosweepPaths {
-    pub(super) shared: Arc<Shared>,
-    paths: embed::Paths,
-}
+pub struct GeosweepPaths(());
+
+kind_of_object! { GeosweepPaths, paths: Made<embed::Paths> }
 
 /// Starts and ends of paths, and the commands that read the paths. The starts are an array in the program's
 /// memory, which is copied into the command buffer, or, if `starts` is null, in a buffer.
@@ -54,173 +52,114 @@ pub struct GeosweepPathFrame {
     pub reader: GeosweepAccess,
 }
 
-/// Computes the bytes of device memory that paths will take, before they are created: 24 for each vertex of
-/// each path, and 104 per path.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn geosweep_paths_bytes_for(
-    solver: *const GeosweepSolver,
-    path_count: u32,
-    vertices: u32,
-    bytes: *mut u64,
-) -> GeosweepStatus {
-    guard(|| {
-        // SAFETY: the caller's promise.
-        let (solver, output) = unsafe { (object(solver, "solver")?, Output::new(bytes, "bytes")?) };
-        let Shared { solver, device, .. } = &**solver.shared();
-        output.write(solver.bytes_for_paths(device, PathsInfo::new(path_count, vertices))?);
-        Ok(())
-    })
-}
+calls! {
+    /// Computes the bytes of device memory that paths will take, before they are created: 24 for each vertex of
+    /// each path, and 104 per path.
+    fn geosweep_paths_bytes_for(
+        solver: *const GeosweepSolver,
+        path_count: u32,
+        vertices: u32,
+        bytes: *mut u64,
+    ) {
+        outputs::bytes_for(solver, bytes, |solver, device| {
+            Ok(solver.bytes_for_paths(device, PathsInfo::new(path_count, vertices))?)
+        })?;
+    }
 
-/// Creates paths on a surface: `path_count` paths at once, at most 65535, with room for `vertices` vertices
-/// each. A straight path has one vertex at each grid line that it crosses, so rows + cols + 8 vertices are
-/// enough on a surface without obstacles. Allocates device memory and compiles passes.
-/// `geosweep_paths_destroy` destroys the paths.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn geosweep_paths_create(
-    surface: *const GeosweepSurface,
-    path_count: u32,
-    vertices: u32,
-    paths: *mut *mut GeosweepPaths,
-) -> GeosweepStatus {
-    guard(|| {
-        // SAFETY: the caller's promise.
-        let (surface, output) =
-            unsafe { (object(surface, "surface")?, Output::new(paths, "paths")?) };
-        let GeosweepSurface { shared, surface, .. } = surface;
+    /// Creates paths on a surface: `path_count` paths at once, at most 65535, with room for `vertices` vertices
+    /// each. A straight path has one vertex at each grid line that it crosses, so rows + cols + 8 vertices are
+    /// enough on a surface without obstacles. Allocates device memory and compiles passes.
+    /// `geosweep_paths_destroy` destroys the paths.
+    fn geosweep_paths_create(
+        surface: *const GeosweepSurface,
+        path_count: u32,
+        vertices: u32,
+        paths: *mut *mut GeosweepPaths,
+    ) {
         let info = PathsInfo::new(path_count, vertices);
-        let mut allocator = shared.allocator();
-        let paths = shared.solver.paths(&shared.device, &mut allocator, surface, info)?;
-        hand_out(output, GeosweepPaths { shared: Arc::clone(shared), paths });
-        Ok(())
-    })
-}
+        outputs::create(surface, paths, |solver, device, memory, surface| {
+            solver.paths(device, memory, surface, info)
+        })?;
+    }
 
-/// Computes the bytes that your own buffer for paths must have, if you provide one.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn geosweep_paths_buffer_bytes(
-    count: u32,
-    vertices: u32,
-    bytes: *mut u64,
-) -> GeosweepStatus {
-    guard(|| {
-        // SAFETY: the caller's promise.
-        let output = unsafe { Output::new(bytes, "bytes") }?;
-        output.write(embed::Paths::buffer_bytes(embed::PathsInfo::new(count, vertices)));
-        Ok(())
-    })
-}
+    /// Computes the bytes that your own buffer for paths must have, if you provide one.
+    fn geosweep_paths_buffer_bytes(count: u32, vertices: u32, bytes: *mut u64) {
+        write(bytes, "bytes", embed::Paths::buffer_bytes(PathsInfo::new(count, vertices)))?;
+    }
 
-/// Creates paths as `geosweep_paths_create` does, in your own buffer from its first byte. The buffer's usage
-/// contains `VK_BUFFER_USAGE_STORAGE_BUFFER_BIT`, `VK_BUFFER_USAGE_TRANSFER_DST_BIT` and what its readers
-/// need, device addresses included. The buffer remains yours. While no paths are in use, a render graph may
-/// use its memory for other resources.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn geosweep_paths_create_into(
-    surface: *const GeosweepSurface,
-    count: u32,
-    vertices: u32,
-    buffer: vk::Buffer,
-    paths: *mut *mut GeosweepPaths,
-) -> GeosweepStatus {
-    guard(|| {
-        // SAFETY: the caller's promise.
-        let (surface, output) =
-            unsafe { (object(surface, "surface")?, Output::new(paths, "paths")?) };
-        let info = embed::PathsInfo::new(count, vertices);
-        let GeosweepSurface { shared, surface, .. } = surface;
-        let mut allocator = shared.allocator();
-        let (solver, device) = (&shared.solver, &shared.device);
-        let paths = solver.paths_into(device, &mut allocator, surface, info, buffer)?;
-        hand_out(output, GeosweepPaths { shared: Arc::clone(shared), paths });
-        Ok(())
-    })
-}
+    /// Creates paths as `geosweep_paths_create` does, in your own buffer from its first byte. The buffer's usage
+    /// contains `VK_BUFFER_USAGE_STORAGE_BUFFER_BIT`, `VK_BUFFER_USAGE_TRANSFER_DST_BIT` and what its readers
+    /// need, device addresses included. The buffer remains yours. While no paths are in use, a render graph may
+    /// use its memory for other resources.
+    fn geosweep_paths_create_into(
+        surface: *const GeosweepSurface,
+        count: u32,
+        vertices: u32,
+        buffer: vk::Buffer,
+        paths: *mut *mut GeosweepPaths,
+    ) {
+        let info = PathsInfo::new(count, vertices);
+        outputs::create(surface, paths, |solver, device, memory, surface| {
+            solver.paths_into(device, memory, surface, info, buffer)
+        })?;
+    }
 
-/// Makes paths write to another buffer of yours in later recordings. The paths must have been created with
-/// your own buffer. Recordings in flight continue to use the previous buffer.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn geosweep_paths_set_buffer(
-    paths: *mut GeosweepPaths,
-    surface: *const GeosweepSurface,
-    buffer: vk::Buffer,
-) -> GeosweepStatus {
-    guard(|| {
-        // SAFETY: the caller's promise.
-        let (of, surface) = unsafe { (exclusive(paths, "paths")?, object(surface, "surface")?) };
-        let Shared { device, solver, .. } = &*surface.shared;
-        Ok(of.paths.set_buffer(device, solver, &surface.surface, buffer)?)
-    })
-}
+    /// Makes paths write to another buffer of yours in later recordings. The paths must have been created with
+    /// your own buffer. Recordings in flight continue to use the previous buffer.
+    fn geosweep_paths_set_buffer(
+        paths: *mut GeosweepPaths,
+        surface: *const GeosweepSurface,
+        buffer: vk::Buffer,
+    ) {
+        outputs::set_buffer(paths, surface, buffer)?;
+    }
 
-/// Returns the bytes of device memory that paths take.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn geosweep_paths_bytes(
-    paths: *const GeosweepPaths,
-    bytes: *mut u64,
-) -> GeosweepStatus {
-    guard(|| {
-        // SAFETY: the caller's promise.
-        let (paths, output) = unsafe { (object(paths, "paths")?, Output::new(bytes, "bytes")?) };
-        output.write(paths.paths.bytes());
-        Ok(())
-    })
-}
+    /// Returns the bytes of device memory that paths take.
+    fn geosweep_paths_bytes(paths: *const GeosweepPaths, bytes: *mut u64) {
+        outputs::bytes(paths, bytes)?;
+    }
 
-/// Returns where paths are stored, also before any are recorded. Each path is one curve, drawn as a strip of
-/// lines.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn geosweep_paths_curves(
-    paths: *const GeosweepPaths,
-    curves: *mut GeosweepCurves,
-) -> GeosweepStatus {
-    guard(|| {
-        // SAFETY: the caller's promise.
-        let (paths, output) = unsafe { (object(paths, "paths")?, Output::new(curves, "curves")?) };
-        output.write(paths.paths.curves().into());
-        Ok(())
-    })
-}
+    /// Returns where paths are stored, also before any are recorded. Each path is one curve, drawn as a strip of
+    /// lines.
+    fn geosweep_paths_curves(paths: *const GeosweepPaths, curves: *mut GeosweepCurves) {
+        write(curves, "curves", object(paths)?.of.curves().into())?;
+    }
 
-/// Records the tracing of paths from their starts back to the sources. Lifts them to the surface and stores
-/// them for you to draw. Call this after the map was recorded, in the same command buffer or after
-/// `geosweep_record_begin`. The record of a path that cannot be drawn gives the reason. Writes where paths
-/// are stored to `result` unless that is null.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn geosweep_record_paths(
-    surface: *const GeosweepSurface,
-    commands: vk::CommandBuffer,
-    paths: *const GeosweepPaths,
-    frame: *const GeosweepPathFrame,
-    result: *mut GeosweepCurves,
-) -> GeosweepStatus {
-    let append = |_: &_, recording: Recording| {
-        // SAFETY: the caller's promise.
-        let (output, paths, given, starts, sources) = unsafe {
-            let output = output_unless_null(result)?;
-            let paths = object(paths, "paths")?;
-            let given = reference(frame, "frame")?;
-            (
-                output,
-                paths,
-                given,
-                starts(given)?,
-                sources(&given.sources, "frame->sources.sources")?,
-            )
-        };
-        let curves = recording.points_at(given.points_offset).paths(
-            &paths.paths,
-            &embed::PathFrame::new(starts, sources, access(given.reader, "frame->reader")?)
+    /// Records the tracing of paths from their starts back to the sources. Lifts them to the surface and stores
+    /// them for you to draw. Call this after the map was recorded, in the same command buffer or after
+    /// `geosweep_record_begin`. The record of a path that cannot be drawn gives the reason. Writes where paths
+    /// are stored to `result` unless that is null.
+    fn geosweep_record_paths(
+        surface: *const GeosweepSurface,
+        commands: vk::CommandBuffer,
+        paths: *const GeosweepPaths,
+        frame: *const GeosweepPathFrame,
+        result: *mut GeosweepCurves,
+    ) {
+        record(surface, commands, result, |_, recording| {
+            let (paths, given) = (object(paths)?, reference(frame, "frame")?);
+            let (starts, sources) =
+                (starts(given)?, sources(&given.sources, "frame->sources.sources")?);
+            let reader = access(given.reader, "frame->reader")?;
+            let frame = embed::PathFrame::new(starts, sources, reader)
                 .with_before(access(given.before, "frame->before")?)
-                .with_points(given.points as usize),
-        )?;
-        if let Some(output) = output {
-            output.write(curves.into());
-        }
-        Ok(())
-    };
-    // SAFETY: the caller's promise.
-    unsafe { record(surface, commands, append) }
+                .with_points(given.points as usize);
+            Ok(recording.points_at(given.points_offset).paths(&paths.of, &frame)?)
+        })?;
+    }
+
+    /// Makes paths read the surface's points and sources that `geosweep_surface_set_points` and
+    /// `geosweep_surface_set_sources` have set since the paths were created. Recordings in flight continue to
+    /// read the previous inputs.
+    fn geosweep_paths_rebind(paths: *mut GeosweepPaths, surface: *const GeosweepSurface) {
+        outputs::rebind(paths, surface)?;
+    }
+
+    /// Destroys paths, before or after their surface. No submitted work may still use them; a solver with checks
+    /// verifies that. Null is allowed.
+    fn geosweep_paths_destroy(paths: *mut GeosweepPaths) {
+        outputs::destroy(paths)?;
+    }
 }
 
 /// Returns the starts of a frame.
@@ -240,37 +179,4 @@ unsafe fn starts<'a>(given: &GeosweepPathFrame) -> Result<StartInput<'a>, Failur
         return Err(Failure::argument("frame->starts", reason));
     }
     Ok(StartInput::Buffer { buffer: start_buffer, offset: start_offset, count: start_count })
-}
-
-/// Makes paths read the surface's points and sources that `geosweep_surface_set_points` and
-/// `geosweep_surface_set_sources` have set since the paths were created. Recordings in flight continue to
-/// read the previous inputs.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn geosweep_paths_rebind(
-    paths: *mut GeosweepPaths,
-    surface: *const GeosweepSurface,
-) -> GeosweepStatus {
-    guard(|| {
-        // SAFETY: the caller's promise.
-        let (of, surface) = unsafe { (exclusive(paths, "paths")?, object(surface, "surface")?) };
-        let Shared { device, solver, .. } = &*surface.shared;
-        Ok(of.paths.rebind(device, solver, &surface.surface)?)
-    })
-}
-
-/// Destroys paths, before or after their surface. No submitted work may still use them; a solver with checks
-/// verifies that. Null is allowed.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn geosweep_paths_destroy(paths: *mut GeosweepPaths) -> GeosweepStatus {
-    guard(|| {
-        // SAFETY: the caller's promise.
-        let Some(_) = (unsafe { land(paths, "paths", |of| of.paths.is_in_flight()) })? else {
-            return Ok(());
-        };
-        // SAFETY: the caller's promise.
-        let Some(paths) = unsafe { take(paths, "paths") }? else { return Ok(()) };
-        let GeosweepPaths { shared, mut paths } = paths;
-        paths.destroy(&shared.device, &mut shared.allocator());
-        Ok(())
-    })
 }

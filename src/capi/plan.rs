@@ -2,17 +2,15 @@
 
 use std::sync::Arc;
 
-use super::arguments::{Output, chart, reference};
-use super::choices::{
-    ScheduleNumber, WavefrontNumber, schedule, schedule_number, wavefront, wavefront_number,
-};
-use super::objects::{hand_out, object, take};
-use super::shared::Shared;
+use super::arguments::{Output, chart, reference, write};
+use super::choices::{ScheduleNumber, WavefrontNumber, choose, number};
+use super::objects::{hand_out, kind_of_object, object, object_named, take};
+use super::shared::Made;
 use super::solver::GeosweepSolver;
-use super::status::{Failure, GeosweepStatus, guard};
+use super::status::{Failure, calls};
 use super::surface::GeosweepSurface;
 use crate::Stop;
-use crate::vulkan::{Method, embed};
+use crate::vulkan::{Method, Schedule, embed};
 
 /// Largest number of iterations in a recording. A plan lists their passes one by one.
 const MOST_ITERATIONS: u32 = 256;
@@ -42,10 +40,9 @@ pub struct GeosweepMethod {
 
 /// Passes of a recording, for any surface of one size. Many recordings may use a plan at the same time, on
 /// any thread.
-pub struct GeosweepPlan {
-    pub(super) shared: Arc<Shared>,
-    pub(super) plan: embed::Plan,
-}
+pub struct GeosweepPlan(());
+
+kind_of_object! { GeosweepPlan, plan: Made<embed::Plan> }
 
 fn method(given: &GeosweepMethod) -> Result<(Method, u32), Failure> {
     let GeosweepMethod { tolerance, most_iterations, iterations, .. } = *given;
@@ -61,93 +58,53 @@ fn method(given: &GeosweepMethod) -> Result<(Method, u32), Failure> {
         return Err(Failure::argument("method->iterations", reason));
     }
     let method = Method::new(
-        wavefront(given.wavefront, "method->wavefront")?,
+        choose(given.wavefront, "method->wavefront")?,
         Stop::within(tolerance).or_after(most_iterations),
     )
-    .with_schedule(schedule(given.schedule, "method->schedule")?);
+    .with_schedule(choose::<Option<Schedule>>(given.schedule, "method->schedule")?);
     Ok((method, iterations))
 }
 
-/// Creates a plan for surfaces of `rows` rows and `cols` columns. `geosweep_plan_destroy` destroys it.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn geosweep_plan_create(
-    solver: *const GeosweepSolver,
-    rows: u32,
-    cols: u32,
-    method: *const GeosweepMethod,
-    plan: *mut *mut GeosweepPlan,
-) -> GeosweepStatus {
-    guard(|| {
-        // SAFETY: the caller's promise.
-        let (solver, given, output) = unsafe {
-            let output = Output::new(plan, "plan")?;
-            (object(solver, "solver")?, reference(method, "method")?, output)
-        };
+calls! {
+    /// Creates a plan for surfaces of `rows` rows and `cols` columns. `geosweep_plan_destroy` destroys it.
+    fn geosweep_plan_create(
+        solver: *const GeosweepSolver,
+        rows: u32,
+        cols: u32,
+        method: *const GeosweepMethod,
+        plan: *mut *mut GeosweepPlan,
+    ) {
+        let output = Output::new(plan, "plan")?;
+        let (shared, given) = (object(solver)?, reference(method, "method")?);
         let chart = chart(rows, cols)?;
-        let shared = Arc::clone(solver.shared());
         let (method, iterations) = self::method(given)?;
         let plan = shared.solver.plan(chart, method, iterations)?;
-        let plan = if given.over_seams == 0 { plan } else { plan.over_seams() };
-        hand_out(output, GeosweepPlan { shared, plan });
-        Ok(())
-    })
-}
+        let of = if given.over_seams == 0 { plan } else { plan.over_seams() };
+        hand_out(output, Made { shared: Arc::clone(shared), of });
+    }
 
-/// Returns the number of iterations, or rounds of tiles, in a recording of the plan. It is the number
-/// requested, but at most `GeosweepMethod::most_iterations`, and with tiles it may be smaller. Resume the map
-/// until it has converged.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn geosweep_plan_iterations(
-    plan: *const GeosweepPlan,
-    iterations: *mut u32,
-) -> GeosweepStatus {
-    guard(|| {
-        // SAFETY: the caller's promise.
-        let (plan, output) =
-            unsafe { (object(plan, "plan")?, Output::new(iterations, "iterations")?) };
-        output.write(plan.plan.iterations());
-        Ok(())
-    })
-}
+    /// Returns the number of iterations, or rounds of tiles, in a recording of the plan. It is the number
+    /// requested, but at most `GeosweepMethod::most_iterations`, and with tiles it may be smaller. Resume the map
+    /// until it has converged.
+    fn geosweep_plan_iterations(plan: *const GeosweepPlan, iterations: *mut u32) {
+        write(iterations, "iterations", object(plan)?.of.iterations())?;
+    }
 
-/// Returns the schedule of a plan, a `GeosweepSchedule`. For `GEOSWEEP_SCHEDULE_BEST`, it is the schedule
-/// that was chosen.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn geosweep_plan_schedule(
-    plan: *const GeosweepPlan,
-    schedule: *mut ScheduleNumber,
-) -> GeosweepStatus {
-    guard(|| {
-        // SAFETY: the caller's promise.
-        let (plan, output) = unsafe { (object(plan, "plan")?, Output::new(schedule, "schedule")?) };
-        output.write(schedule_number(plan.plan.schedule()));
-        Ok(())
-    })
-}
+    /// Returns the schedule of a plan, a `GeosweepSchedule`. For `GEOSWEEP_SCHEDULE_BEST`, it is the schedule
+    /// that was chosen.
+    fn geosweep_plan_schedule(plan: *const GeosweepPlan, schedule: *mut ScheduleNumber) {
+        write(schedule, "schedule", number(Some(object(plan)?.of.schedule())))?;
+    }
 
-/// Returns the wavefront of a plan's maps, a `GeosweepWavefront`. It may differ from the one requested.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn geosweep_plan_wavefront(
-    plan: *const GeosweepPlan,
-    wavefront: *mut WavefrontNumber,
-) -> GeosweepStatus {
-    guard(|| {
-        // SAFETY: the caller's promise.
-        let (plan, output) =
-            unsafe { (object(plan, "plan")?, Output::new(wavefront, "wavefront")?) };
-        output.write(wavefront_number(plan.plan.wavefront()));
-        Ok(())
-    })
-}
+    /// Returns the wavefront of a plan's maps, a `GeosweepWavefront`. It may differ from the one requested.
+    fn geosweep_plan_wavefront(plan: *const GeosweepPlan, wavefront: *mut WavefrontNumber) {
+        write(wavefront, "wavefront", number(object(plan)?.of.wavefront()))?;
+    }
 
-/// Destroys a plan. Recorded command buffers do not need it. Null is allowed.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn geosweep_plan_destroy(plan: *mut GeosweepPlan) -> GeosweepStatus {
-    guard(|| {
-        // SAFETY: the caller's promise.
-        drop(unsafe { take(plan, "plan") }?);
-        Ok(())
-    })
+    /// Destroys a plan. Recorded command buffers do not need it. Null is allowed.
+    fn geosweep_plan_destroy(plan: *mut GeosweepPlan) {
+        drop(take(plan, |_| false)?);
+    }
 }
 
 /// Returns a plan of the surface's solver.
@@ -160,9 +117,9 @@ pub(super) unsafe fn plan<'a>(
     name: &str,
 ) -> Result<&'a embed::Plan, Failure> {
     // SAFETY: the caller's promise.
-    let plan = unsafe { object(plan, name) }?;
+    let plan = unsafe { object_named(plan, name) }?;
     if !Arc::ptr_eq(&plan.shared, &surface.shared) {
         return Err(Failure::argument(name, "was made by another solver than the surface"));
     }
-    Ok(&plan.plan)
+    Ok(&plan.of)
 }

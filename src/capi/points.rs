@@ -1,6 +1,5 @@
 //! Points of a surface and where they are stored.
 
-use crate::vulkan::embed::DeviceMemory;
 use ash::vk;
 use ash::vk::Handle;
 use bytemuck::cast_slice;
@@ -8,14 +7,13 @@ use glam::DVec3;
 use gpu_allocator::MemoryLocation;
 
 use super::arguments::list;
-use super::choices::choose;
+use super::choices::{choices, choose};
 use super::shared::Shared;
 use super::status::Failure;
 use crate::surface::{
     Chart, EdgeRule, Geometry, LONGEST_EDGE, MetricTensor, Spacing, Surface, SurfaceError,
 };
-use crate::vulkan::device::memory::{Buffer, BufferInfo};
-use crate::vulkan::embed;
+use crate::vulkan::embed::{self, Buffer, BufferInfo, DeviceMemory};
 
 /// Meaning of the floats of a grid point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,6 +27,8 @@ pub enum GeosweepPointKind {
     /// rr dr^2 + 2 rc dr dc + cc dc^2. The metric is positive definite, and its entries are at most 1e12.
     Metric = 2,
 }
+
+choices! { GeosweepPointKind = GeosweepPointKind: Positions, Heights, Metric; }
 
 /// Number of a `GeosweepPointKind`, not checked yet.
 type PointKindNumber = i32;
@@ -99,8 +99,7 @@ impl Form {
     pub(super) fn of(given: &GeosweepPoints, name: &str) -> Result<Self, Failure> {
         let field = |field| format!("{name}.{field}");
         use GeosweepPointKind as K;
-        let kinds = [K::Positions, K::Heights, K::Metric].map(|kind| (kind as i32, kind));
-        let kind = match choose(given.kind, &field("kind"), "GeosweepPointKind", &kinds)? {
+        let kind = match choose(given.kind, &field("kind"))? {
             K::Positions => embed::PointKind::Positions,
             K::Metric => embed::PointKind::Metric,
             K::Heights => {

@@ -8,14 +8,14 @@ use ash::vk;
 use gpu_allocator::MemoryLocation;
 
 use super::arguments::Output;
-use super::choices::choose;
-use super::objects::{hand_out, object, take};
-use super::plan::plan;
+use super::choices::{choices, choose};
+use super::objects::{hand_out, kind_of_object, object, take};
+use super::plan::{GeosweepPlan, plan};
 use super::shared::Shared;
-use super::status::{Failure, GeosweepStatus, guard};
+use super::status::{Failure, calls};
 use super::surface::GeosweepSurface;
 use crate::vulkan::VulkanError;
-use crate::vulkan::device::memory::{Buffer, BufferInfo};
+use crate::vulkan::embed::{self, Buffer, BufferInfo};
 use crate::vulkan::profile::{
     Clock, Decided, Grain, PassRecord, Profile, QueryRange, Resolved, Slots,
 };
@@ -50,6 +50,8 @@ pub struct GeosweepProfile {
     is_recorded: AtomicBool,
 }
 
+kind_of_object! { GeosweepProfile, profile: GeosweepProfile }
+
 /// A pass of a frame, or several passes that are timed together. Unknown members are `GEOSWEEP_UNKNOWN`.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
@@ -74,7 +76,47 @@ pub struct GeosweepPass {
     pub is_idle: bool,
 }
 
+impl AsRef<Shared> for GeosweepProfile {
+    fn as_ref(&self) -> &Shared {
+        &self.shared
+    }
+}
+
+choices! { Grain = GeosweepGrain: Scans, Blocks, Iterations, Portions; }
+
 impl GeosweepProfile {
+    fn new(
+        surface: &GeosweepSurface,
+        plan: &embed::Plan,
+        grain: Grain,
+        queue_family: u32,
+    ) -> Result<Self, Failure> {
+        let GeosweepSurface { shared, surface, .. } = surface;
+        let Shared { device, instance, physical_device, .. } = &**shared;
+        let clock = Clock::of(instance, *physical_device, queue_family).ok_or_else(|| {
+            Failure::unsupported(format!("queues of the family {queue_family} write no timestamps"))
+        })?;
+        let passes = shared.solver.passes_of_frame(surface, plan, grain);
+        let location = MemoryLocation::GpuToCpu;
+        let info = BufferInfo { name: "decisions", size: Slots::DECISION_BYTES, location };
+        let mut decisions = Buffer::new(device, &mut shared.allocator(), info)?;
+        let info = vk::QueryPoolCreateInfo::default()
+            .query_type(vk::QueryType::TIMESTAMP)
+            .query_count(passes + 1);
+        // SAFETY: the device is alive.
+        let pool = unsafe { device.create_query_pool(&info, None) };
+        let pool = pool.map_err(|result| {
+            decisions.destroy(device, &mut shared.allocator());
+            VulkanError::Call { call: "vkCreateQueryPool", result }
+        })?;
+        let slots = Slots::default()
+            .with_timestamps(QueryRange { pool, first: 0, count: passes + 1 })
+            .with_decisions(Decided { buffer: decisions.buffer, offset: 0, portions: 1 });
+        let profile = Profile::new(passes, grain, slots);
+        let (shared, is_recorded) = (Arc::clone(shared), AtomicBool::new(false));
+        Ok(Self { shared, profile, clock, pool, decisions, is_recorded })
+    }
+
     /// Notes that a frame is about to be recorded.
     pub(super) fn note_recording(&self) {
         self.is_recorded.store(true, Ordering::Relaxed);
@@ -119,94 +161,46 @@ impl From<&PassRecord> for GeosweepPass {
     }
 }
 
-/// Creates a profile for frames of a surface with this plan on a queue of this family.
-/// `geosweep_profile_destroy` destroys it. If the family's queues cannot write timestamps, the status is
-/// `GEOSWEEP_STATUS_UNSUPPORTED`.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn geosweep_profile_create(
-    surface: *const GeosweepSurface,
-    plan: *const super::plan::GeosweepPlan,
-    grain: GrainNumber,
-    queue_family: u32,
-    profile: *mut *mut GeosweepProfile,
-) -> GeosweepStatus {
-    guard(|| {
-        // SAFETY: the caller's promise.
-        let (surface, plan, output) = unsafe {
-            let surface = object(surface, "surface")?;
-            (surface, self::plan(plan, surface, "plan")?, Output::new(profile, "profile")?)
-        };
-        use GeosweepGrain as G;
-        let choices = [
-            (G::Scans as i32, Grain::Scans),
-            (G::Blocks as i32, Grain::Blocks),
-            (G::Iterations as i32, Grain::Iterations),
-            (G::Portions as i32, Grain::Portions),
-        ];
-        let grain = choose(grain, "grain", "GeosweepGrain", &choices)?;
-        let GeosweepSurface { shared, surface, .. } = surface;
-        let Shared { device, instance, physical_device, .. } = &**shared;
-        let clock = Clock::of(instance, *physical_device, queue_family).ok_or_else(|| {
-            Failure::unsupported(format!("queues of the family {queue_family} write no timestamps"))
-        })?;
-        let passes = shared.solver.passes_of_frame(surface, plan, grain);
-        let location = MemoryLocation::GpuToCpu;
-        let info = BufferInfo { name: "decisions", size: Slots::DECISION_BYTES, location };
-        let mut decisions = Buffer::new(device, &mut shared.allocator(), info)?;
-        let info = vk::QueryPoolCreateInfo::default()
-            .query_type(vk::QueryType::TIMESTAMP)
-            .query_count(passes + 1);
-        // SAFETY: the device is alive.
-        let pool = unsafe { device.create_query_pool(&info, None) };
-        let pool = pool.map_err(|result| {
-            decisions.destroy(device, &mut shared.allocator());
-            VulkanError::Call { call: "vkCreateQueryPool", result }
-        })?;
-        let slots = Slots::default()
-            .with_timestamps(QueryRange { pool, first: 0, count: passes + 1 })
-            .with_decisions(Decided { buffer: decisions.buffer, offset: 0, portions: 1 });
-        let profile = Profile::new(passes, grain, slots);
-        let (shared, is_recorded) = (Arc::clone(shared), AtomicBool::new(false));
-        hand_out(output, GeosweepProfile { shared, profile, clock, pool, decisions, is_recorded });
-        Ok(())
-    })
-}
+calls! {
+    /// Creates a profile for frames of a surface with this plan on a queue of this family.
+    /// `geosweep_profile_destroy` destroys it. If the family's queues cannot write timestamps, the status is
+    /// `GEOSWEEP_STATUS_UNSUPPORTED`.
+    fn geosweep_profile_create(
+        surface: *const GeosweepSurface,
+        plan: *const GeosweepPlan,
+        grain: GrainNumber,
+        queue_family: u32,
+        profile: *mut *mut GeosweepProfile,
+    ) {
+        let surface = object(surface)?;
+        let (plan, output) = (self::plan(plan, surface, "plan")?, Output::new(profile, "profile")?);
+        hand_out(output, GeosweepProfile::new(surface, plan, choose(grain, "grain")?, queue_family)?);
+    }
 
-/// Reads the times of the passes of the last frame that was recorded with this profile, after its fence.
-/// Writes the number of passes to `count`, and at most `capacity` passes to `passes`. If that frame has not
-/// run, the status is `GEOSWEEP_STATUS_NOT_READY`.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn geosweep_profile_passes(
-    profile: *const GeosweepProfile,
-    passes: *mut GeosweepPass,
-    capacity: u32,
-    count: *mut u32,
-) -> GeosweepStatus {
-    guard(|| {
-        // SAFETY: the caller's promise.
-        let (profile, output) =
-            unsafe { (object(profile, "profile")?, Output::new(count, "count")?) };
+    /// Reads the times of the passes of the last frame that was recorded with this profile, after its fence.
+    /// Writes the number of passes to `count`, and at most `capacity` passes to `passes`. If that frame has not
+    /// run, the status is `GEOSWEEP_STATUS_NOT_READY`.
+    fn geosweep_profile_passes(
+        profile: *const GeosweepProfile,
+        passes: *mut GeosweepPass,
+        capacity: u32,
+        count: *mut u32,
+    ) {
+        let (profile, output) = (object(profile)?, Output::new(count, "count")?);
         let resolved = profile.resolve()?;
         if capacity > 0 {
-            // SAFETY: the caller promises that the array has `capacity` entries.
-            unsafe { Output::new(passes, "passes") }?;
+            let passes = Output::new(passes, "passes")?;
             for (index, pass) in resolved.passes.iter().take(capacity as usize).enumerate() {
-                // SAFETY: as above.
-                unsafe { passes.add(index).write(pass.into()) };
+                passes.write_at(index, pass.into());
             }
         }
         output.write(resolved.passes.len() as u32);
-        Ok(())
-    })
-}
+    }
 
-/// Destroys a profile. No submitted work may still use it. Null is allowed.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn geosweep_profile_destroy(profile: *mut GeosweepProfile) -> GeosweepStatus {
-    guard(|| {
-        // SAFETY: the caller's promise.
-        let Some(mut profile) = unsafe { take(profile, "profile") }? else { return Ok(()) };
-        profile.destroy();
-        Ok(())
-    })
+    /// Destroys a profile. No submitted work may still use it. Null is allowed.
+    fn geosweep_profile_destroy(profile: *mut GeosweepProfile) {
+        if let Some(mut profile) = take(profile, |_| false)? {
+            profile.destroy();
+        }
+    }
 }

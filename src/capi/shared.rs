@@ -1,11 +1,23 @@
 //! State that a solver shares with its surfaces, plans and other objects.
 
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use ash::vk;
 
 use super::memory::Memory;
 use crate::vulkan::embed;
+
+/// Implements conversions between structs of the library and of the header that have the same fields.
+macro_rules! same_fields {
+    ($($from:ty => $to:ty { $($field:ident),* };)*) => {$(
+        impl From<$from> for $to {
+            fn from(of: $from) -> Self {
+                Self { $($field: of.$field),* }
+            }
+        }
+    )*};
+}
+pub(super) use same_fields;
 
 /// State that a solver shares with all objects that it creates.
 pub(super) struct Shared {
@@ -15,6 +27,18 @@ pub(super) struct Shared {
     pub(super) solver: embed::Solver,
     pub(super) allocator: Mutex<Memory>,
     pub(super) checks: bool,
+}
+
+/// Object of a solver.
+pub(super) struct Made<T> {
+    pub(super) shared: Arc<Shared>,
+    pub(super) of: T,
+}
+
+impl<T> AsRef<Shared> for Made<T> {
+    fn as_ref(&self) -> &Shared {
+        &self.shared
+    }
 }
 
 impl Shared {

@@ -6,14 +6,14 @@ use ash::vk;
 use gpu_allocator::AllocationSizes;
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 
-use super::arguments::{Output, list, reference};
-use super::choices::{ScheduleNumber, WavefrontNumber, schedule, wavefront};
+use super::arguments::{Output, list, optional, reference, write};
+use super::choices::{ScheduleNumber, WavefrontNumber, choose};
 use super::loader::{self, GetInstanceProcAddr};
 use super::memory::{GeosweepAllocator, HostsMemory, Memory};
-use super::objects::{hand_out, object, take};
+use super::objects::{hand_out, kind_of_object, object, take};
 use super::shared::Shared;
-use super::status::{Failure, GeosweepStatus, guard};
-use crate::vulkan::{VulkanError, embed};
+use super::status::{Failure, calls};
+use crate::vulkan::{Schedule, VulkanError, embed};
 
 /// Version of this header, which `geosweep_solver_create` compares with the library's. It grows with each
 /// change that makes programs compile or run differently.
@@ -74,156 +74,109 @@ pub struct GeosweepSolverInfo {
     pub allocator: *const GeosweepAllocator,
 }
 
+kind_of_object! { GeosweepSolver, solver: Arc<Shared> }
+
 /// Pipelines of a device, shared by all its surfaces. Any number of threads may use it at the same time.
-pub struct GeosweepSolver(Arc<Shared>);
+pub struct GeosweepSolver(());
 
-impl GeosweepSolver {
-    fn of(shared: Shared) -> Self {
-        Self(Arc::new(shared))
+/// Creates the shared state of a solver.
+///
+/// # Safety
+/// The handles are null or alive and belong together.
+unsafe fn shared(info: &GeosweepSolverInfo) -> Result<Shared, Failure> {
+    let GeosweepSolverInfo { header_version, physical_device, .. } = *info;
+    if header_version != GEOSWEEP_HEADER_VERSION {
+        let reason = format!(
+            "is {header_version}, and this library was built with header \
+             {GEOSWEEP_HEADER_VERSION}: compile with the library's own geosweep.h"
+        );
+        return Err(Failure::argument("info->header_version", reason));
     }
-
-    pub(super) fn shared(&self) -> &Arc<Shared> {
-        &self.0
-    }
-
-    /// Creates the shared state of a solver.
-    ///
-    /// # Safety
-    /// The handles are null or alive and belong together.
-    unsafe fn new(info: &GeosweepSolverInfo) -> Result<Self, Failure> {
-        let GeosweepSolverInfo { header_version, physical_device, .. } = *info;
-        if header_version != GEOSWEEP_HEADER_VERSION {
-            let reason = format!(
-                "is {header_version}, and this library was built with header \
-                 {GEOSWEEP_HEADER_VERSION}: compile with the library's own geosweep.h"
-            );
-            return Err(Failure::argument("info->header_version", reason));
-        }
-        // SAFETY: the caller's promise.
-        let (instance, device, asked) = unsafe {
-            let get = info.get_instance_proc_addr;
-            let instance = loader::instance(get, info.instance, physical_device)?;
-            let device = loader::device(&instance, info.device)?;
-            let count = info.pass_count;
-            (instance, device, list(info.passes, count, MOST_PASSES, "info->passes")?)
-        };
-        let mut passes = Vec::new();
-        for (index, asked) in asked.iter().enumerate() {
-            let name = |field| format!("info->passes[{index}].{field}");
-            let schedule = schedule(asked.schedule, &name("schedule"))?.ok_or_else(|| {
+    // SAFETY: the caller's promise.
+    let (instance, device, asked) = unsafe {
+        let get = info.get_instance_proc_addr;
+        let instance = loader::instance(get, info.instance, physical_device)?;
+        let device = loader::device(&instance, info.device)?;
+        let count = info.pass_count;
+        (instance, device, list(info.passes, count, MOST_PASSES, "info->passes")?)
+    };
+    let mut passes = Vec::new();
+    for (index, asked) in asked.iter().enumerate() {
+        let name = |field| format!("info->passes[{index}].{field}");
+        let schedule =
+            choose::<Option<Schedule>>(asked.schedule, &name("schedule"))?.ok_or_else(|| {
                 let reason = "is GEOSWEEP_SCHEDULE_BEST, which depends on the grid: name others";
                 Failure::argument(&name("schedule"), reason)
             })?;
-            passes.push((schedule, wavefront(asked.wavefront, &name("wavefront"))?));
+        passes.push((schedule, choose(asked.wavefront, &name("wavefront"))?));
+    }
+    if info.flags & !GEOSWEEP_SOLVER_CHECKS != 0 {
+        let reason = format!("is {:#x}, and has bits that mean nothing", info.flags);
+        return Err(Failure::argument("info->flags", reason));
+    }
+    let checks = info.flags & GEOSWEEP_SOLVER_CHECKS != 0;
+    // SAFETY: the caller's promise.
+    let of_host = unsafe { optional(info.allocator, "info->allocator") }?;
+    let of_host = of_host.map(|&allocator| HostsMemory::new(allocator)).transpose()?;
+    // SAFETY: the caller's promise.
+    let labels = unsafe { loader::has_labels(info.get_instance_proc_addr, &instance, &device) };
+    let tools = embed::Tools { labels, checks, ..embed::Tools::default() };
+    let cache = info.pipeline_cache;
+    let mut solver =
+        embed::Solver::with_cache(&instance, physical_device, &device, &passes, tools, cache)?;
+    let of_its_own = || {
+        Allocator::new(&AllocatorCreateDesc {
+            instance: instance.clone(),
+            device: device.clone(),
+            physical_device,
+            debug_settings: Default::default(),
+            buffer_device_address: false,
+            allocation_sizes: AllocationSizes::new(BLOCK_BYTES, BLOCK_BYTES),
+        })
+    };
+    let memory = match of_host {
+        Some(memory) => Ok(Memory::Hosts(memory)),
+        None => of_its_own().map(|allocator| Memory::Own(Box::new(allocator))),
+    };
+    match memory {
+        Ok(memory) => {
+            let allocator = Mutex::new(memory);
+            Ok(Shared { instance, physical_device, device, solver, allocator, checks })
         }
-        if info.flags & !GEOSWEEP_SOLVER_CHECKS != 0 {
-            let reason = format!("is {:#x}, and has bits that mean nothing", info.flags);
-            return Err(Failure::argument("info->flags", reason));
-        }
-        let checks = info.flags & GEOSWEEP_SOLVER_CHECKS != 0;
-        let of_host = match info.allocator.is_null() {
-            true => None,
-            // SAFETY: the caller's promise.
-            false => Some(unsafe { reference(info.allocator, "info->allocator") }?),
-        };
-        let of_host = of_host.map(|&allocator| HostsMemory::new(allocator)).transpose()?;
-        // SAFETY: the caller's promise.
-        let labels = unsafe { loader::has_labels(info.get_instance_proc_addr, &instance, &device) };
-        let tools = embed::Tools { labels, checks, ..embed::Tools::default() };
-        let cache = info.pipeline_cache;
-        let mut solver =
-            embed::Solver::with_cache(&instance, physical_device, &device, &passes, tools, cache)?;
-        let of_its_own = || {
-            Allocator::new(&AllocatorCreateDesc {
-                instance: instance.clone(),
-                device: device.clone(),
-                physical_device,
-                debug_settings: Default::default(),
-                buffer_device_address: false,
-                allocation_sizes: AllocationSizes::new(BLOCK_BYTES, BLOCK_BYTES),
-            })
-        };
-        let memory = match of_host {
-            Some(memory) => Ok(Memory::Hosts(memory)),
-            None => of_its_own().map(|allocator| Memory::Own(Box::new(allocator))),
-        };
-        match memory {
-            Ok(memory) => {
-                let allocator = Mutex::new(memory);
-                Ok(Self::of(Shared {
-                    instance,
-                    physical_device,
-                    device,
-                    solver,
-                    allocator,
-                    checks,
-                }))
-            }
-            Err(source) => {
-                solver.destroy(&device);
-                Err(VulkanError::Allocation { what: "the allocator", source }.into())
-            }
+        Err(source) => {
+            solver.destroy(&device);
+            Err(VulkanError::Allocation { what: "the allocator", source }.into())
         }
     }
 }
 
-/// Creates a solver. `geosweep_solver_destroy` destroys it.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn geosweep_solver_create(
-    info: *const GeosweepSolverInfo,
-    solver: *mut *mut GeosweepSolver,
-) -> GeosweepStatus {
-    guard(|| {
-        // SAFETY: the caller's promise.
-        unsafe {
-            let output = Output::new(solver, "solver")?;
-            hand_out(output, GeosweepSolver::new(reference(info, "info")?)?);
-        }
-        Ok(())
-    })
-}
+calls! {
+    /// Creates a solver. `geosweep_solver_destroy` destroys it.
+    fn geosweep_solver_create(info: *const GeosweepSolverInfo, solver: *mut *mut GeosweepSolver) {
+        let output = Output::new(solver, "solver")?;
+        hand_out(output, Arc::new(shared(reference(info, "info")?)?));
+    }
 
-/// Sets the cache for creating pipelines from now on, or none if it is null. `GeosweepSolverInfo` documents
-/// how it is used.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn geosweep_solver_set_pipeline_cache(
-    solver: *const GeosweepSolver,
-    cache: vk::PipelineCache,
-) -> GeosweepStatus {
-    guard(|| {
-        // SAFETY: the caller's promise.
-        let solver = unsafe { object(solver, "solver") }?;
-        solver.shared().solver.set_pipeline_cache(cache);
-        Ok(())
-    })
-}
+    /// Sets the cache for creating pipelines from now on, or none if it is null. `GeosweepSolverInfo` documents
+    /// how it is used.
+    fn geosweep_solver_set_pipeline_cache(solver: *const GeosweepSolver, cache: vk::PipelineCache) {
+        object(solver)?.solver.set_pipeline_cache(cache);
+    }
 
-/// Returns the bytes of device memory that the solver holds for its surfaces, contours, paths, regions,
-/// directions and log maps. Since it allocates them in blocks, they are a little more than the sum of what
-/// `geosweep_surface_bytes` and the similar calls return.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn geosweep_solver_bytes(
-    solver: *const GeosweepSolver,
-    bytes: *mut u64,
-) -> GeosweepStatus {
-    guard(|| {
-        // SAFETY: the caller's promise.
-        let (solver, output) = unsafe { (object(solver, "solver")?, Output::new(bytes, "bytes")?) };
-        output.write(solver.shared().allocator().bytes());
-        Ok(())
-    })
-}
+    /// Returns the bytes of device memory that the solver holds for its surfaces, contours, paths, regions,
+    /// directions and log maps. Since it allocates them in blocks, they are a little more than the sum of what
+    /// `geosweep_surface_bytes` and the similar calls return.
+    fn geosweep_solver_bytes(solver: *const GeosweepSolver, bytes: *mut u64) {
+        write(bytes, "bytes", object(solver)?.allocator().bytes())?;
+    }
 
-/// Destroys a solver. Its surfaces, plans, contours, paths, regions, directions, log maps and profiles must
-/// be destroyed first; otherwise the call fails. Null is allowed.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn geosweep_solver_destroy(solver: *mut GeosweepSolver) -> GeosweepStatus {
-    guard(|| {
+    /// Destroys a solver. Its surfaces, plans, contours, paths, regions, directions, log maps and profiles must
+    /// be destroyed first; otherwise the call fails. Null is allowed.
+    fn geosweep_solver_destroy(solver: *mut GeosweepSolver) {
         if solver.is_null() {
             return Ok(());
         }
-        // SAFETY: the caller's promise.
-        let others = unsafe { Arc::strong_count(object(solver, "solver")?.shared()) } - 1;
+        let others = Arc::strong_count(object(solver)?) - 1;
         if others > 0 {
             let reason = format!(
                 "still has {others} surfaces, plans, contours, paths, regions, directions, log maps or profiles: \
@@ -231,14 +184,11 @@ pub unsafe extern "C" fn geosweep_solver_destroy(solver: *mut GeosweepSolver) ->
             );
             return Err(Failure::argument("solver", reason));
         }
-        // SAFETY: the caller's promise.
-        let shared =
-            unsafe { take(solver, "solver") }?.and_then(|solver| Arc::into_inner(solver.0));
+        let shared = take(solver, |_| false)?.and_then(Arc::into_inner);
         if let Some(Shared { device, mut solver, allocator, .. }) = shared {
             solver.destroy(&device);
             // This frees the solver's own blocks.
             drop(allocator);
         }
-        Ok(())
-    })
+    }
 }

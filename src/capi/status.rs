@@ -102,38 +102,47 @@ fn message(error: &VulkanError) -> String {
             "the solver has no pipelines for the schedule {schedule} with {wavefront} fronts: name both in \
              GeosweepSolverInfo::passes"
         ),
-        VulkanError::OtherGluing { is_glued: true } => {
-            "the surface is glued, but the plan has no step over seams: set GeosweepMethod::over_seams to 1 for the plan"
-                .into()
-        }
-        VulkanError::OtherGluing { is_glued: false } => {
-            "the plan passes seams, but the surface is not glued: set GeosweepMethod::over_seams to 0 for the plan"
-                .into()
-        }
+        VulkanError::OtherGluing { is_glued } => format!(
+            "{}: set GeosweepMethod::over_seams to {} for the plan",
+            match is_glued {
+                true => "the surface is glued, but the plan has no step over seams",
+                false => "the plan passes seams, but the surface is not glued",
+            },
+            u32::from(*is_glued),
+        ),
         VulkanError::NotPrepared => {
             "the surface is not prepared: geosweep_record_prepare comes once, before \
-                                     anything else"
+             anything else"
                 .into()
         }
-        VulkanError::NotMeasured => "the surface was never measured: GeosweepFrame::points is a \
-                                     number of its points in the first frame"
-            .into(),
+        VulkanError::NotMeasured => {
+            "the surface was never measured: GeosweepFrame::points is a number of its points \
+             in the first frame"
+                .into()
+        }
         VulkanError::NoMap => {
-            "the surface has no map yet: geosweep_record_frame or geosweep_record_solve \
-                               comes before this, and geosweep_record_measure takes the map away"
+            "the surface has no map yet: geosweep_record_frame or geosweep_record_solve comes \
+             before this, and geosweep_record_measure takes the map away"
                 .into()
         }
         VulkanError::OwnResults => {
             "the surface was made with images of distances of its own: give it yours as \
-                                    GeosweepSurfaceInfo::results"
+             GeosweepSurfaceInfo::results"
                 .into()
         }
         VulkanError::OldInput { what, number } => format!(
             "the surface's {what} {number} were replaced after its contours, paths, regions, directions or log map \
              were made: call geosweep_contours_rebind or its counterpart for them first"
         ),
-        error => error.without_other_engines(),
+        error => without_other_engines(error),
     }
+}
+
+/// Returns the error's text for a program whose solvers have no other engine.
+fn without_other_engines(error: &VulkanError) -> String {
+    const ADVICE: [&str; 3] =
+        ["; use the CPU engine", ", or use the CPU engine", " or the CPU engine"];
+    ADVICE.iter().fold(error.to_string(), |text, advice| text.replace(advice, ""))
 }
 
 impl From<SurfaceError> for Failure {
@@ -164,6 +173,23 @@ pub(super) fn guard(call: impl FnOnce() -> Result<(), Failure>) -> GeosweepStatu
         }
     }
 }
+
+/// Defines functions of the header, which return a [`GeosweepStatus`]. In the bodies the caller's promises hold, which
+/// the documentation of [`crate::capi`] lists.
+macro_rules! calls {
+    ($($(#[$doc:meta])* fn $name:ident($($argument:ident: $kind:ty),* $(,)?) $body:block)*) => {$(
+        $(#[$doc])*
+        #[unsafe(no_mangle)]
+        pub unsafe extern "C" fn $name($($argument: $kind),*) -> $crate::capi::GeosweepStatus {
+            $crate::capi::status::guard(|| {
+                // SAFETY: the caller's promise.
+                unsafe { $body }
+                Ok(())
+            })
+        }
+    )*};
+}
+pub(super) use calls;
 
 /// Largest size in bytes of a message with its terminating zero.
 const MESSAGE_BYTES: usize = 2048;

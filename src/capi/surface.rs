@@ -4,12 +4,12 @@ use std::sync::Arc;
 
 use ash::vk;
 
-use super::arguments::{Output, reference};
-use super::objects::{exclusive, hand_out, in_flight, land, object, take};
+use super::arguments::{Output, reference, write};
+use super::objects::{exclusive, hand_out, in_flight, kind_of_object, object, take};
 use super::points::{Arrays, Copied, Form, GeosweepPoints};
-use super::shared::Shared;
+use super::shared::{Shared, same_fields};
 use super::solver::GeosweepSolver;
-use super::status::{Failure, GeosweepStatus, guard};
+use super::status::{Failure, calls};
 use super::surface_info::{
     GeosweepHostImage, GeosweepSourceBuffer, GeosweepSurfaceInfo, Wanted, name,
 };
@@ -25,6 +25,8 @@ pub struct GeosweepSurface {
     /// Points that were copied from the program's memory, indexed by the number of the points.
     copied: Vec<Option<Copied>>,
 }
+
+kind_of_object! { GeosweepSurface, surface: GeosweepSurface }
 
 /// An image of distances, directions or a log map. Unless it is your own, it belongs to the object that
 /// returns it and has the usages `SAMPLED` and `TRANSFER_SRC`, for distances `STORAGE` too.
@@ -96,42 +98,31 @@ pub struct GeosweepOutcome {
     pub measured: bool,
 }
 
+impl AsRef<Shared> for GeosweepSurface {
+    fn as_ref(&self) -> &Shared {
+        &self.shared
+    }
+}
+
 impl From<embed::Outcome> for GeosweepOutcome {
     fn from(outcome: embed::Outcome) -> Self {
-        let embed::Outcome {
-            iterations,
-            residual,
-            visits,
-            converged,
-            measured,
-            holes,
-            edges_without_length,
-            passed_over,
-            resolution,
-        } = outcome;
-        let sharp_edges = resolution.map_or(0.0, |resolution| resolution.sharp_edges as f32);
-        let is_rough = resolution.is_some_and(|resolution| resolution.is_rough());
+        let resolution = outcome.resolution;
         Self {
-            residual,
-            iterations,
-            visits,
-            holes,
-            edges_without_length,
-            passed_over,
-            sharp_edges,
-            is_rough,
-            converged,
-            measured,
+            residual: outcome.residual,
+            iterations: outcome.iterations,
+            visits: outcome.visits,
+            holes: outcome.holes,
+            edges_without_length: outcome.edges_without_length,
+            passed_over: outcome.passed_over,
+            sharp_edges: resolution.map_or(0.0, |of| of.sharp_edges as f32),
+            is_rough: resolution.is_some_and(|of| of.is_rough()),
+            converged: outcome.converged,
+            measured: outcome.measured,
         }
     }
 }
 
-impl From<embed::ResultImage> for GeosweepImage {
-    fn from(image: embed::ResultImage) -> Self {
-        let embed::ResultImage { image, view, format, extent, layout } = image;
-        Self { image, view, format, extent, layout }
-    }
-}
+same_fields! { embed::ResultImage => GeosweepImage { image, view, format, extent, layout }; }
 
 impl GeosweepSurface {
     /// Creates a surface.
@@ -189,75 +180,48 @@ impl GeosweepSurface {
     }
 }
 
-/// Computes the bytes of device memory that a surface will take, before it is created: 36 per grid point and
-/// 4 more for each slot; a buffer of 16 per point up to 4 MiB, or on larger grids of 6 per point up to 16
-/// MiB; and, for points in the program's memory, 12 per point (4 for heights), with a slowness 4 more.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn geosweep_surface_bytes_for(
-    solver: *const GeosweepSolver,
-    info: *const GeosweepSurfaceInfo,
-    bytes: *mut u64,
-) -> GeosweepStatus {
-    guard(|| {
-        // SAFETY: the caller's promise.
-        let (solver, wanted, output) = unsafe {
-            let (solver, info) = (object(solver, "solver")?, reference(info, "info")?);
-            (solver, Wanted::new(info)?, Output::new(bytes, "bytes")?)
-        };
-        output.write(wanted.bytes(solver.shared())?);
-        Ok(())
-    })
-}
+calls! {
+    /// Computes the bytes of device memory that a surface will take, before it is created: 36 per grid point and
+    /// 4 more for each slot; a buffer of 16 per point up to 4 MiB, or on larger grids of 6 per point up to 16
+    /// MiB; and, for points in the program's memory, 12 per point (4 for heights), with a slowness 4 more.
+    fn geosweep_surface_bytes_for(
+        solver: *const GeosweepSolver,
+        info: *const GeosweepSurfaceInfo,
+        bytes: *mut u64,
+    ) {
+        let wanted = Wanted::new(reference(info, "info")?)?;
+        write(bytes, "bytes", wanted.bytes(object(solver)?)?)?;
+    }
 
-/// Creates a surface. Allocates device memory. `geosweep_surface_destroy` destroys the surface.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn geosweep_surface_create(
-    solver: *const GeosweepSolver,
-    info: *const GeosweepSurfaceInfo,
-    surface: *mut *mut GeosweepSurface,
-) -> GeosweepStatus {
-    guard(|| {
-        // SAFETY: the caller's promise.
-        unsafe {
-            let output = Output::new(surface, "surface")?;
-            let solver = object(solver, "solver")?;
-            let wanted = Wanted::new(reference(info, "info")?)?;
-            hand_out(output, GeosweepSurface::new(&wanted, solver.shared())?);
-        }
-        Ok(())
-    })
-}
+    /// Creates a surface. Allocates device memory. `geosweep_surface_destroy` destroys the surface.
+    fn geosweep_surface_create(
+        solver: *const GeosweepSolver,
+        info: *const GeosweepSurfaceInfo,
+        surface: *mut *mut GeosweepSurface,
+    ) {
+        let output = Output::new(surface, "surface")?;
+        let (shared, wanted) = (object(solver)?, Wanted::new(reference(info, "info")?)?);
+        hand_out(output, GeosweepSurface::new(&wanted, shared)?);
+    }
 
-/// Returns the bytes of device memory that a surface takes.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn geosweep_surface_bytes(
-    surface: *const GeosweepSurface,
-    bytes: *mut u64,
-) -> GeosweepStatus {
-    guard(|| {
-        // SAFETY: the caller's promise.
-        let (surface, output) =
-            unsafe { (object(surface, "surface")?, Output::new(bytes, "bytes")?) };
+    /// Returns the bytes of device memory that a surface takes.
+    fn geosweep_surface_bytes(surface: *const GeosweepSurface, bytes: *mut u64) {
+        let surface = object(surface)?;
         let copied = surface.copied.iter().flatten().map(Copied::bytes).sum::<u64>();
-        output.write(surface.surface.bytes() + copied);
-        Ok(())
-    })
-}
+        write(bytes, "bytes", surface.surface.bytes() + copied)?;
+    }
 
-/// Replaces points that were copied from the program's memory by others with the same offset and stride. No
-/// submitted work may still read the old points; a solver with checks verifies that. So create the surface
-/// with one entry of points for each frame in flight. Later recordings that measure these points read the new
-/// values.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn geosweep_surface_write_points(
-    surface: *mut GeosweepSurface,
-    number: u32,
-    data: *const f32,
-    mask: *const u8,
-) -> GeosweepStatus {
-    guard(|| {
-        // SAFETY: the caller's promise.
-        let surface = unsafe { exclusive(surface, "surface") }?;
+    /// Replaces points that were copied from the program's memory by others with the same offset and stride. No
+    /// submitted work may still read the old points; a solver with checks verifies that. So create the surface
+    /// with one entry of points for each frame in flight. Later recordings that measure these points read the new
+    /// values.
+    fn geosweep_surface_write_points(
+        surface: *mut GeosweepSurface,
+        number: u32,
+        data: *const f32,
+        mask: *const u8,
+    ) {
+        let surface = exclusive(surface)?;
         let at = number as usize;
         let has_checks = surface.shared.has_checks();
         if has_checks && surface.surface.points_in_flight(at).unwrap_or(false) {
@@ -266,38 +230,30 @@ pub unsafe extern "C" fn geosweep_surface_write_points(
         }
         let (chart, edge_rule) = (surface.surface.chart(), surface.edge_rule);
         let count = surface.copied.len();
-        let copied = surface.copied.get_mut(number as usize).ok_or_else(|| {
+        let copied = surface.copied.get_mut(at).ok_or_else(|| {
             Failure::argument("number", format!("is {number}, and there are {count} points"))
         })?;
         let copied = copied.as_mut().ok_or_else(|| {
             let reason = format!("is {number}, and those points are in memory of yours");
             Failure::argument("number", reason)
         })?;
-        let arrays = Arrays { data, mask };
-        // SAFETY: the caller's promise.
-        let read = unsafe { copied.layout.read(arrays, chart, edge_rule, "") }?;
+        let read = copied.layout.read(Arrays { data, mask }, chart, edge_rule, "")?;
         copied.write(&read);
-        Ok(())
-    })
-}
+    }
 
-/// Replaces points in your own buffer or image by others, which later recordings read. The new points may
-/// have a slowness only if some points of the surface had a slowness when the surface was created. Frames in
-/// flight continue to read the points for which they were recorded, so keep these alive until the frames have
-/// run. It is an error if more frames are in flight than the surface has slots. Edges keep the lengths of the
-/// old points until they are measured. Contours and paths are lifted to the new points after
-/// `geosweep_contours_rebind` and `geosweep_paths_rebind`. Command buffers that are submitted repeatedly must
-/// be recorded anew.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn geosweep_surface_set_points(
-    surface: *mut GeosweepSurface,
-    number: u32,
-    points: *const GeosweepPoints,
-) -> GeosweepStatus {
-    guard(|| {
-        // SAFETY: the caller's promise.
-        let (surface, points) =
-            unsafe { (exclusive(surface, "surface")?, reference(points, "points")?) };
+    /// Replaces points in your own buffer or image by others, which later recordings read. The new points may
+    /// have a slowness only if some points of the surface had a slowness when the surface was created. Frames in
+    /// flight continue to read the points for which they were recorded, so keep these alive until the frames have
+    /// run. It is an error if more frames are in flight than the surface has slots. Edges keep the lengths of the
+    /// old points until they are measured. Contours and paths are lifted to the new points after
+    /// `geosweep_contours_rebind` and `geosweep_paths_rebind`. Command buffers that are submitted repeatedly must
+    /// be recorded anew.
+    fn geosweep_surface_set_points(
+        surface: *mut GeosweepSurface,
+        number: u32,
+        points: *const GeosweepPoints,
+    ) {
+        let (surface, points) = (exclusive(surface)?, reference(points, "points")?);
         let Form::OnDevice(points) = Form::of(points, "points")? else {
             let reason = "is not null, and only points in a buffer or an image can be set: write \
                           others by geosweep_surface_write_points";
@@ -312,152 +268,98 @@ pub unsafe extern "C" fn geosweep_surface_set_points(
             return Err(Failure::argument("number", reason));
         }
         let Shared { device, solver, .. } = &*surface.shared;
-        Ok(surface.surface.set_points(device, solver, number, &points)?)
-    })
-}
+        surface.surface.set_points(device, solver, number, &points)?;
+    }
 
-/// Replaces a buffer of sources, as `geosweep_surface_set_points` does for points. Paths, regions, directions
-/// and log maps then need `geosweep_paths_rebind`, `geosweep_regions_rebind`, `geosweep_directions_rebind`
-/// and `geosweep_log_map_rebind`.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn geosweep_surface_set_sources(
-    surface: *mut GeosweepSurface,
-    number: u32,
-    sources: *const GeosweepSourceBuffer,
-) -> GeosweepStatus {
-    guard(|| {
-        // SAFETY: the caller's promise.
-        let (surface, sources) =
-            unsafe { (exclusive(surface, "surface")?, reference(sources, "sources")?) };
-        let GeosweepSourceBuffer { buffer, offset, count } = *sources;
-        let sources = embed::SourceBuffer { buffer, offset, count };
+    /// Replaces a buffer of sources, as `geosweep_surface_set_points` does for points. Paths, regions, directions
+    /// and log maps then need `geosweep_paths_rebind`, `geosweep_regions_rebind`, `geosweep_directions_rebind`
+    /// and `geosweep_log_map_rebind`.
+    fn geosweep_surface_set_sources(
+        surface: *mut GeosweepSurface,
+        number: u32,
+        sources: *const GeosweepSourceBuffer,
+    ) {
+        let (surface, sources) = (exclusive(surface)?, (*reference(sources, "sources")?).into());
         let Shared { device, solver, .. } = &*surface.shared;
-        Ok(surface.surface.set_sources(device, solver, number as usize, &sources)?)
-    })
-}
+        surface.surface.set_sources(device, solver, number as usize, &sources)?;
+    }
 
-/// Replaces your own image for the distances of a slot. The surface must have been created with your images.
-/// Later recordings write the new image, and frames in flight continue to write the old one. Replace an
-/// image at most once for each recording of its slot.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn geosweep_surface_set_result(
-    surface: *mut GeosweepSurface,
-    slot: u32,
-    image: *const GeosweepHostImage,
-) -> GeosweepStatus {
-    guard(|| {
-        // SAFETY: the caller's promise.
-        let (surface, image) =
-            unsafe { (exclusive(surface, "surface")?, reference(image, "image")?) };
-        let device = &surface.shared.device;
-        Ok(surface.surface.set_result(device, slot as usize, (*image).into())?)
-    })
-}
+    /// Replaces your own image for the distances of a slot. The surface must have been created with your images.
+    /// Later recordings write the new image, and frames in flight continue to write the old one. Replace an
+    /// image at most once for each recording of its slot.
+    fn geosweep_surface_set_result(
+        surface: *mut GeosweepSurface,
+        slot: u32,
+        image: *const GeosweepHostImage,
+    ) {
+        let (surface, image) = (exclusive(surface)?, (*reference(image, "image")?).into());
+        surface.surface.set_result(&surface.shared.device, slot as usize, image)?;
+    }
 
-/// Returns the image of distances of a slot. `layout` is the layout of the reader for which the image was
-/// recorded last.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn geosweep_surface_result(
-    surface: *const GeosweepSurface,
-    slot: u32,
-    layout: vk::ImageLayout,
-    result: *mut GeosweepImage,
-) -> GeosweepStatus {
-    guard(|| {
-        // SAFETY: the caller's promise.
-        let (surface, output) =
-            unsafe { (object(surface, "surface")?, Output::new(result, "result")?) };
-        output.write(surface.surface.result(slot as usize, layout)?.into());
-        Ok(())
-    })
-}
+    /// Returns the image of distances of a slot. `layout` is the layout of the reader for which the image was
+    /// recorded last.
+    fn geosweep_surface_result(
+        surface: *const GeosweepSurface,
+        slot: u32,
+        layout: vk::ImageLayout,
+        result: *mut GeosweepImage,
+    ) {
+        let image = object(surface)?.surface.result(slot as usize, layout)?;
+        write(result, "result", image.into())?;
+    }
 
-/// Returns the packed distances that all slots share. Until the next recording, these are the distances of
-/// the last one. Read them after `geosweep_record_end`.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn geosweep_surface_packed(
-    surface: *const GeosweepSurface,
-    packed: *mut GeosweepPackedTimes,
-) -> GeosweepStatus {
-    guard(|| {
-        // SAFETY: the caller's promise.
-        let (surface, output) =
-            unsafe { (object(surface, "surface")?, Output::new(packed, "packed")?) };
-        let embed::PackedTimes { image, layer, border } = surface.surface.packed();
-        output.write(GeosweepPackedTimes { image: image.into(), layer, border });
-        Ok(())
-    })
-}
+    /// Returns the packed distances that all slots share. Until the next recording, these are the distances of
+    /// the last one. Read them after `geosweep_record_end`.
+    fn geosweep_surface_packed(surface: *const GeosweepSurface, packed: *mut GeosweepPackedTimes) {
+        let embed::PackedTimes { image, layer, border } = object(surface)?.surface.packed();
+        write(packed, "packed", GeosweepPackedTimes { image: image.into(), layer, border })?;
+    }
 
-/// Returns the outcome of the last recording for a slot, after the fence of its submission. If that recording
-/// has not run, the status is `GEOSWEEP_STATUS_NOT_READY`.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn geosweep_surface_outcome(
-    surface: *const GeosweepSurface,
-    slot: u32,
-    outcome: *mut GeosweepOutcome,
-) -> GeosweepStatus {
-    guard(|| {
-        // SAFETY: the caller's promise.
-        let (surface, output) =
-            unsafe { (object(surface, "surface")?, Output::new(outcome, "outcome")?) };
-        output.write(surface.surface.outcome(slot as usize)?.into());
-        Ok(())
-    })
-}
+    /// Returns the outcome of the last recording for a slot, after the fence of its submission. If that recording
+    /// has not run, the status is `GEOSWEEP_STATUS_NOT_READY`.
+    fn geosweep_surface_outcome(
+        surface: *const GeosweepSurface,
+        slot: u32,
+        outcome: *mut GeosweepOutcome,
+    ) {
+        write(outcome, "outcome", object(surface)?.surface.outcome(slot as usize)?.into())?;
+    }
 
-/// Tells a solver with checks that the last recording for a slot was discarded and will never run.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn geosweep_surface_discard(
-    surface: *const GeosweepSurface,
-    slot: u32,
-) -> GeosweepStatus {
-    guard(|| {
-        // SAFETY: the caller's promise.
-        let surface = unsafe { object(surface, "surface") }?;
-        Ok(surface.surface.discard(slot as usize)?)
-    })
-}
+    /// Tells a solver with checks that the last recording for a slot was discarded and will never run.
+    fn geosweep_surface_discard(surface: *const GeosweepSurface, slot: u32) {
+        object(surface)?.surface.discard(slot as usize)?;
+    }
 
-/// Tells a solver with checks that the last recording for the surface into a command buffer was discarded and
-/// will never run, whatever its kind.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn geosweep_surface_discard_commands(
-    surface: *const GeosweepSurface,
-    commands: vk::CommandBuffer,
-) -> GeosweepStatus {
-    guard(|| {
-        // SAFETY: the caller's promise.
-        unsafe { object(surface, "surface") }?.surface.discard_commands(commands);
-        Ok(())
-    })
-}
+    /// Tells a solver with checks that the last recording for the surface into a command buffer was discarded and
+    /// will never run, whatever its kind.
+    fn geosweep_surface_discard_commands(
+        surface: *const GeosweepSurface,
+        commands: vk::CommandBuffer,
+    ) {
+        object(surface)?.surface.discard_commands(commands);
+    }
 
-/// Destroys a surface with its images. No submitted work may still use it; a solver with checks verifies
-/// that. Null is allowed.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn geosweep_surface_destroy(surface: *mut GeosweepSurface) -> GeosweepStatus {
-    guard(|| {
-        // SAFETY: the caller's promise.
-        let landed = unsafe { land(surface, "surface", |of| of.surface.is_in_flight()) };
-        if let Err(failure) = landed {
-            // SAFETY: the caller's promise.
-            let slot = unsafe { object(surface, "surface") }?.surface.in_flight();
-            let of_slot = |slot| {
-                let what =
-                    format!("is destroyed and its last recording for slot {slot} has not run");
+    /// Destroys a surface with its images. No submitted work may still use it; a solver with checks verifies
+    /// that. Null is allowed.
+    fn geosweep_surface_destroy(surface: *mut GeosweepSurface) {
+        let slot = match surface.is_null() {
+            true => None,
+            false => object(surface)?.surface.in_flight(),
+        };
+        let taken = take(surface, |of| of.surface.is_in_flight()).map_err(|failure| match slot {
+            Some(slot) => {
+                let what = format!("is destroyed and its last recording for slot {slot} has not run");
                 in_flight("surface", &what)
-            };
-            return Err(slot.map_or(failure, of_slot));
-        }
-        // SAFETY: the caller's promise.
-        let Some(surface) = unsafe { take(surface, "surface") }? else { return Ok(()) };
-        let GeosweepSurface { shared, mut surface, mut copied, .. } = surface;
+            }
+            None => failure,
+        });
+        let Some(GeosweepSurface { shared, mut surface, mut copied, .. }) = taken? else {
+            return Ok(());
+        };
         let mut allocator = shared.allocator();
         surface.destroy(&shared.device, &mut allocator);
         for copied in copied.iter_mut().flatten() {
             copied.destroy(&shared, &mut allocator);
         }
-        Ok(())
-    })
+    }
 }

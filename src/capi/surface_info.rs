@@ -3,9 +3,9 @@
 use ash::vk;
 
 use super::arguments::{chart, list};
-use super::choices::{EdgeRuleNumber, GeosweepGluing, GluingNumber, edge_rule, gluing};
+use super::choices::{EdgeRuleNumber, GeosweepGluing, GluingNumber, choose};
 use super::points::{Form, GeosweepPoints};
-use super::shared::Shared;
+use super::shared::{Shared, same_fields};
 use super::status::Failure;
 use crate::surface::{Chart, Direction, EdgeRule, Gluing, Run};
 use crate::vulkan::embed;
@@ -135,11 +135,10 @@ pub struct GeosweepSurfaceInfo {
     pub run_count: u32,
 }
 
-impl From<GeosweepHostImage> for embed::HostImage {
-    fn from(image: GeosweepHostImage) -> Self {
-        let GeosweepHostImage { image, view } = image;
-        Self { image, view }
-    }
+same_fields! {
+    GeosweepHostImage => embed::HostImage { image, view };
+    GeosweepSourceBuffer => embed::SourceBuffer { buffer, offset, count };
+    GeosweepLookup => embed::Lookup { places, places_offset, distances, distances_offset, count };
 }
 
 /// Parameters of a surface, checked.
@@ -180,24 +179,15 @@ impl<'a> Wanted<'a> {
             )
         };
         let form = |(index, points)| Form::of(points, &name(index));
-        let sources = sources.iter().map(|sources| {
-            let GeosweepSourceBuffer { buffer, offset, count } = *sources;
-            embed::SourceBuffer { buffer, offset, count }
-        });
-        let lookups = lookups.iter().map(|lookup| {
-            let GeosweepLookup { places, places_offset, distances, distances_offset, count } =
-                *lookup;
-            embed::Lookup { places, places_offset, distances, distances_offset, count }
-        });
         Ok(Self {
             chart: chart(rows, cols)?,
-            edge_rule: edge_rule(info.edge_rule, "info->edge_rule")?,
+            edge_rule: choose(info.edge_rule, "info->edge_rule")?,
             slots: slots as usize,
             families,
             results: results.iter().map(|&image| image.into()).collect(),
             points: points.iter().enumerate().map(form).collect::<Result<_, _>>()?,
-            sources: sources.collect(),
-            lookups: lookups.collect(),
+            sources: sources.iter().map(|&sources| sources.into()).collect(),
+            lookups: lookups.iter().map(|&lookup| lookup.into()).collect(),
             // SAFETY: the caller's promise.
             gluing: unsafe { gluing_of(info) }?,
         })
@@ -233,7 +223,7 @@ impl<'a> Wanted<'a> {
 unsafe fn gluing_of(info: &GeosweepSurfaceInfo) -> Result<Option<Gluing>, Failure> {
     // SAFETY: the caller's promise.
     let runs = unsafe { list(info.runs, info.run_count, MOST_RUNS, "info->runs") }?;
-    let gluing = match gluing(info.gluing, "info->gluing")? {
+    let gluing = match choose(info.gluing, "info->gluing")? {
         GeosweepGluing::None => return Ok(None),
         GeosweepGluing::Columns => Gluing::columns(),
         GeosweepGluing::Rows => Gluing::rows(),

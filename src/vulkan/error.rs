@@ -302,14 +302,6 @@ pub enum VulkanError {
 }
 
 impl VulkanError {
-    #[cfg(feature = "capi")]
-    /// Returns the error's text for a program that has no other engine.
-    pub(crate) fn without_other_engines(&self) -> String {
-        const ADVICE: [&str; 3] =
-            ["; use the CPU engine", ", or use the CPU engine", " or the CPU engine"];
-        ADVICE.iter().fold(self.to_string(), |text, advice| text.replace(advice, ""))
-    }
-
     /// Returns a function that turns the result of the Vulkan function `call` into an error.
     pub(crate) fn from_call(call: &'static str) -> impl Fn(vk::Result) -> Self {
         move |result| Self::Call { call, result }

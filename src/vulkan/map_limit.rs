@@ -3,6 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 
 use super::VulkanError;
+use super::setters::setters;
 pub use crate::constants::MOST_TARGETS;
 use crate::surface::Chart;
 
@@ -56,14 +57,9 @@ impl<'a> MapLimit<'a> {
         Self { targets, ..Self::NONE }
     }
 
-    /// Sets [`MapLimit::radius`].
-    pub fn with_radius(self, radius: f32) -> Self {
-        Self { radius, ..self }
-    }
-
-    /// Sets [`MapLimit::needed`].
-    pub fn with_needed(self, needed: u32) -> Self {
-        Self { needed, ..self }
+    setters! {
+        with_radius(radius: f32);
+        with_needed(needed: u32);
     }
 
     /// Returns whether there is a radius or a target.

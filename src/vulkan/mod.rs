@@ -24,6 +24,7 @@ mod point_kind;
 pub mod profile;
 pub(crate) mod record;
 mod schedules;
+mod setters;
 mod texel_chart;
 pub(crate) mod upload;
 

@@ -40,7 +40,7 @@ impl PointKind {
     }
 
     /// Returns the number of floats of a point, without its slowness.
-    pub(crate) fn floats(self) -> u32 {
+    pub fn floats(self) -> u32 {
         self.traits().floats
     }
 

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 use std::fs;
+use std::path::Path;
 
 const HEADER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/capi/geosweep.h");
 const SOURCES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/capi");
@@ -29,15 +30,42 @@ const FILES: [&str; 19] = [
     "profile",
 ];
 /// Files that declare nothing for C.
-const INTERNAL: [&str; 7] =
-    ["arguments", "kinds", "loader", "mod", "objects", "shared", "way_image"];
+const INTERNAL: [&str; 6] = ["arguments", "loader", "mod", "objects", "outputs", "shared"];
+
+/// Returns a source file with its macro `calls!` expanded, which cbindgen cannot do.
+fn expanded(source: &str) -> String {
+    let (mut expanded, mut is_inside, mut is_signature) = (String::new(), false, false);
+    for line in source.lines() {
+        match line {
+            "calls! {" => is_inside = true,
+            "}" if is_inside => is_inside = false,
+            _ => {
+                let name = line.strip_prefix("    fn ").filter(|_| is_inside);
+                is_signature |= name.is_some();
+                let line = name.map_or(line.to_owned(), |name| {
+                    format!("#[unsafe(no_mangle)]\npub unsafe extern \"C\" fn {name}")
+                });
+                let body = line.strip_suffix(") {").filter(|_| is_signature);
+                is_signature &= body.is_none();
+                let line = body.map_or(line.clone(), |it| format!("{it}) -> GeosweepStatus {{"));
+                expanded += &format!("{line}\n");
+            }
+        }
+    }
+    expanded
+}
 
 fn generated() -> String {
     let config = cbindgen::Config::from_file(format!("{SOURCES}/cbindgen.toml")).unwrap();
     let builder = cbindgen::Builder::new().with_config(config);
-    let builder = FILES
-        .iter()
-        .fold(builder, |builder, file| builder.with_src(format!("{SOURCES}/{file}.rs")));
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("header");
+    fs::create_dir_all(&folder).unwrap();
+    let builder = FILES.iter().fold(builder, |builder, file| {
+        let source = fs::read_to_string(format!("{SOURCES}/{file}.rs")).unwrap();
+        let path = folder.join(format!("{file}.rs"));
+        fs::write(&path, expanded(&source)).unwrap();
+        builder.with_src(path)
+    });
     let mut header = Vec::new();
     builder.generate().unwrap().write(&mut header);
     String::from_utf8(header).unwrap()

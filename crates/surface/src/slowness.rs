@@ -209,8 +209,8 @@ impl Surface {
         sum / weights
     }
 
-    /// Returns a grid point in the given precision. Positions and heights are relative to `origin`.
-    #[doc(hidden)]
+    /// Returns a grid point in the form and precision in which devices measure edges: three numbers, and its slowness.
+    /// Positions and heights are relative to `origin`. The slowness is 0 in holes.
     pub fn point<R: Real>(&self, index: usize, origin: DVec3) -> Point<R> {
         let Inputs { geometry, present, is_scaled, .. } = &self.inputs;
         let slowness = if present[index] { self.slowness_to_updates(index) } else { 0.0 };

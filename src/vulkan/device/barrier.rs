@@ -3,7 +3,7 @@
 use ash::vk;
 
 /// Largest number of recordings that share barriers. Each brings at most one image to a barrier.
-pub(crate) const MOST_TOGETHER: usize = 64;
+pub const MOST_TOGETHER: usize = 64;
 
 /// One side of a barrier: pipeline stages, and the kinds of access in them.
 pub(crate) type Access = (vk::PipelineStageFlags, vk::AccessFlags);

@@ -34,12 +34,15 @@ pub(crate) struct ImageInfo<'a> {
     pub(crate) families: &'a [u32],
 }
 
-/// Parameters of a buffer to create.
+/// Parameters of a [`Buffer`] to create.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct BufferInfo {
-    pub(crate) name: &'static str,
-    pub(crate) size: u64,
-    pub(crate) location: MemoryLocation,
+pub struct BufferInfo {
+    /// Name of the buffer for reports, such as "points".
+    pub name: &'static str,
+    /// Size in bytes; positive.
+    pub size: u64,
+    /// Location of the memory, which says whether the program reads or writes it.
+    pub location: MemoryLocation,
 }
 
 /// Storage image in device memory, with its view.
@@ -50,10 +53,14 @@ pub(crate) struct Image {
     block: Option<MemoryBlock>,
 }
 
-/// Storage buffer with its memory.
+/// Buffer with its memory, for instance for points that the program writes. Shaders can read and write it, and it can
+/// be copied, drawn from and read by indirect commands.
+///
+/// Dropping a buffer frees nothing. The host calls [`Buffer::destroy`].
 #[derive(Debug)]
-pub(crate) struct Buffer {
-    pub(crate) buffer: vk::Buffer,
+pub struct Buffer {
+    /// Buffer handle.
+    pub buffer: vk::Buffer,
     block: Option<MemoryBlock>,
 }
 
@@ -113,7 +120,11 @@ impl Image {
 }
 
 impl Buffer {
-    pub(crate) fn new(
+    /// Creates a buffer.
+    ///
+    /// # Errors
+    /// If memory runs out, or a Vulkan call fails. Nothing is left behind then.
+    pub fn new(
         device: &ash::Device,
         allocator: &mut dyn DeviceMemory,
         info: BufferInfo,
@@ -139,23 +150,31 @@ impl Buffer {
             .map_err(VulkanError::from_call("vkBindBufferMemory"))
     }
 
-    pub(crate) fn bytes(&self) -> u64 {
+    /// Returns the number of bytes taken from the allocator's memory blocks.
+    pub fn bytes(&self) -> u64 {
         self.block.as_ref().map_or(0, MemoryBlock::size)
     }
 
-    /// Returns the buffer's memory for reading. The memory must be host-visible.
-    pub(crate) fn read(&self) -> &[u8] {
+    /// Returns the buffer's memory for reading. No submitted work may write it.
+    ///
+    /// # Panics
+    /// If the memory's location is not one that the program reads or writes.
+    pub fn read(&self) -> &[u8] {
         let bytes = self.block.as_ref().and_then(MemoryBlock::bytes);
         bytes.expect("only buffers made host-visible are mapped")
     }
 
-    /// Returns the buffer's memory for writing. The memory must be host-visible.
-    pub(crate) fn mapped(&mut self) -> &mut [u8] {
+    /// Returns the buffer's memory for writing. No submitted work may use it.
+    ///
+    /// # Panics
+    /// If the memory's location is not one that the program reads or writes.
+    pub fn mapped(&mut self) -> &mut [u8] {
         let bytes = self.block.as_mut().and_then(MemoryBlock::bytes_mut);
         bytes.expect("only buffers made host-visible are mapped")
     }
 
-    pub(crate) fn destroy(&mut self, device: &ash::Device, allocator: &mut dyn DeviceMemory) {
+    /// Frees the buffer and its memory. No submitted work may still use them. A second call does nothing.
+    pub fn destroy(&mut self, device: &ash::Device, allocator: &mut dyn DeviceMemory) {
         // SAFETY: the caller has made sure that no submitted work uses the buffer.
         unsafe { device.destroy_buffer(std::mem::take(&mut self.buffer), None) };
         self.block.take().into_iter().for_each(|block| allocator.free(block));
@@ -228,7 +247,10 @@ impl BufferInfo {
     }
 
     /// Returns the number of bytes that the buffer will take.
-    pub(crate) fn bytes(&self, device: &ash::Device) -> Result<u64, VulkanError> {
+    ///
+    /// # Errors
+    /// If a Vulkan call fails.
+    pub fn bytes(&self, device: &ash::Device) -> Result<u64, VulkanError> {
         let buffer = self.create(device)?;
         // SAFETY: the buffer is from this device, and nothing has used it.
         unsafe {

@@ -1,26 +1,23 @@
-//! Manages the descriptor sets of contours, paths, regions, directions and log maps, which read inputs of
-//! their surface.
+//! Manages the descriptor sets of the outputs of a surface, which read inputs of the surface.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 use ash::vk;
 
 use super::flight::Flight;
 use super::host_sets::{self, Content, HostSet};
-use super::input_sets::{InputSet, versions};
+use super::input_sets::{Versions, versions};
 use super::inputs::SourceInput;
 use super::surface::FrameSurface;
 use crate::vulkan::VulkanError;
 use crate::vulkan::device::pipelines::Pipelines;
 
-/// Descriptor sets in several versions. There are as many versions as for a replaceable input of the surface.
-/// Each rebinding takes the next free version.
+/// Descriptor sets in as many versions as a replaceable input of the surface. Each rebinding takes the next free
+/// version.
 #[derive(Debug)]
 pub(super) struct BoundSets {
     pool: vk::DescriptorPool,
-    versions: Vec<Version>,
-    current: usize,
+    versions: Versions,
     /// Number of replacements of each of the surface's points at the last binding. `sources` holds the same
     /// for the surface's source buffers.
     points: Vec<u32>,
@@ -28,13 +25,6 @@ pub(super) struct BoundSets {
     flight: Arc<Flight>,
     /// Pool of the surface's own sets. It identifies the surface.
     surface: vk::DescriptorPool,
-}
-
-#[derive(Debug)]
-struct Version {
-    sets: Vec<HostSet>,
-    /// Serial of the last recording that uses the sets; 0 if it is not tracked.
-    used: AtomicU32,
 }
 
 impl BoundSets {
@@ -46,11 +36,9 @@ impl BoundSets {
     ) -> Result<Self, VulkanError> {
         let count = versions(surface.slots());
         let (pool, sets) = host_sets::describe(device, pipelines, &contents.repeat(count))?;
-        let of = |sets: &[HostSet]| Version { sets: sets.to_vec(), used: 0.into() };
         Ok(Self {
             pool,
-            versions: sets.chunks(contents.len().max(1)).map(of).collect(),
-            current: 0,
+            versions: Versions::new(sets.chunks(contents.len())),
             points: changes(&surface.sets.points),
             sources: changes(&surface.sets.sources),
             flight: Arc::clone(&surface.flight),
@@ -60,7 +48,7 @@ impl BoundSets {
 
     /// Returns the current sets, in the order of the contents.
     pub(super) fn sets(&self) -> &[HostSet] {
-        &self.versions[self.current].sets
+        self.versions.sets()
     }
 
     /// Binds the next free version of the sets to the current inputs of the surface.
@@ -71,16 +59,9 @@ impl BoundSets {
         contents: &[Content],
     ) -> Result<(), VulkanError> {
         self.check_surface(surface)?;
-        let count = self.versions.len();
-        let mut others = (1..=count).map(|next| (self.current + next) % count);
-        let waits = |at: &usize| self.flight.waits_for(self.versions[*at].used.load(Relaxed));
-        let free = others.find(|at| !waits(at)).ok_or(VulkanError::RebindInFlight)?;
-        let of = &mut self.versions[free];
-        for (set, content) in of.sets.iter_mut().zip(contents) {
-            *set = host_sets::fill(device, set.set, *content);
+        if !self.versions.replace(device, &self.flight, contents) {
+            return Err(VulkanError::RebindInFlight);
         }
-        of.used = 0.into();
-        self.current = free;
         self.points = changes(&surface.sets.points);
         self.sources = changes(&surface.sets.sources);
         Ok(())
@@ -124,12 +105,12 @@ impl BoundSets {
     /// Notes that a recording uses the current sets. `serial` is the number that the device writes after the
     /// recording, if it is tracked.
     pub(super) fn are_used(&self, serial: Option<u32>) {
-        self.versions[self.current].used.store(serial.unwrap_or(0), Relaxed);
+        self.versions.are_used_by(serial.unwrap_or(0));
     }
 
     /// Returns whether a tracked recording that uses the sets may not have run.
     pub(super) fn are_in_flight(&self) -> bool {
-        self.versions.iter().any(|of| self.flight.waits_for(of.used.load(Relaxed)))
+        self.versions.are_in_flight(&self.flight)
     }
 
     pub(super) fn destroy(&mut self, device: &ash::Device) {
@@ -139,6 +120,6 @@ impl BoundSets {
     }
 }
 
-fn changes(sets: &[InputSet]) -> Vec<u32> {
+fn changes(sets: &[Versions]) -> Vec<u32> {
     sets.iter().map(|set| set.changes).collect()
 }

@@ -1,14 +1,12 @@
 //! Defines the buffer of curves on the device, its layout, and the passes that lift curves to the surface.
 
-use crate::vulkan::device::device_memory::DeviceMemory;
 use ash::vk;
 use bytemuck::{Pod, Zeroable};
 use gpu_allocator::MemoryLocation;
 
 use super::access::Access;
-use super::bound_sets::BoundSets;
-use super::host_sets::{self, Content, Part};
 use super::inputs::{PointMemory, Points};
+use super::outputs::{BufferKind, Output};
 use super::recording::{Recording, grid_size};
 use super::solver::Solver;
 use super::surface::FrameSurface;
@@ -17,10 +15,10 @@ use crate::update::Wavefront;
 use crate::vulkan::VulkanError;
 use crate::vulkan::device::barrier::SHADER_WRITE;
 use crate::vulkan::device::limits::Limits;
-use crate::vulkan::device::memory::{Buffer, BufferInfo};
+use crate::vulkan::device::memory::BufferInfo;
 use crate::vulkan::device::passes::{LIFT_FROM_BUFFER, LIFT_FROM_IMAGE};
-use crate::vulkan::device::pipelines::{Pipeline, Pipelines};
-use crate::vulkan::device::shaders::lift_from_buffer::Push as Lift;
+use crate::vulkan::device::pipelines::Pipeline;
+pub(super) use crate::vulkan::device::shaders::lift_from_buffer::Push as Lift;
 use crate::vulkan::profile::PassKind;
 
 /// Vertex of a contour or path. Graphics pipelines can read it as it is: [`CurveVertex::attributes`].
@@ -163,268 +161,103 @@ impl CurveLayout {
         size_of::<f32>() as u64 * (self.first_vertex() + vertices * u64::from(VERTEX_WORDS))
     }
 
-    pub(super) fn info(self, name: &'static str) -> BufferInfo {
-        BufferInfo { name, size: self.bytes(), location: MemoryLocation::GpuOnly }
-    }
-
-    /// Returns an error if shaders cannot access the whole buffer, or cannot count its words.
-    pub(super) fn check(self, what: &'static str, limits: &Limits) -> Result<(), VulkanError> {
-        check_bytes(what, limits, self.bytes())
+    /// Returns the parameters of the buffer, or an error if shaders cannot access all of it.
+    pub(super) fn buffer(
+        self,
+        name: &'static str,
+        limits: &Limits,
+    ) -> Result<BufferInfo, VulkanError> {
+        buffer_info(name, limits, self.bytes())
     }
 }
 
-/// Returns an error if shaders cannot access a buffer of this size as a whole.
-pub(super) fn check_bytes(
-    what: &'static str,
+/// Returns the parameters of an output's buffer, or an error if shaders cannot access the whole buffer, or cannot
+/// count its words.
+pub(super) fn buffer_info(
+    name: &'static str,
     limits: &Limits,
-    bytes: u64,
-) -> Result<(), VulkanError> {
+    size: u64,
+) -> Result<BufferInfo, VulkanError> {
     let most = limits.storage_range.min(i32::MAX as u64);
-    if bytes > most {
+    if size > most {
         let reason =
-            format!("their buffer would have {bytes} bytes, and shaders see {most} at most");
-        return Err(VulkanError::Curves { what, reason });
+            format!("their buffer would have {size} bytes, and shaders see {most} at most");
+        return Err(VulkanError::Curves { what: name, reason });
     }
-    Ok(())
+    Ok(BufferInfo { name, size, location: MemoryLocation::GpuOnly })
 }
 
-/// Buffers and descriptor sets of the contours or paths of a surface.
-#[derive(Debug)]
-pub(super) struct Curves {
-    pub(super) layout: CurveLayout,
-    reads: Reads,
-    /// Host's buffer for the curves; `None` if they have one of their own.
-    hosts: Option<vk::Buffer>,
-    /// Own buffers. The first holds the curves, unless the host provides that buffer. The last is the buffer
-    /// in which passes count.
-    buffers: Vec<Buffer>,
-    /// For each of the surface's points, the pass that lifts curves to them.
-    lifting: Vec<Pipeline<Lift>>,
-    /// Descriptor sets of the passes that trace the curves, followed by those of the passes that lift them.
-    sets: Option<BoundSets>,
-}
+/// Kind of an output that is a buffer of curves.
+pub trait CurveKind: BufferKind {}
 
-/// Parameters of [`Curves`].
-pub(super) struct CurvesInfo<'a> {
-    pub(super) layout: CurveLayout,
-    pub(super) reads: Reads,
-    /// Buffer of the curves, followed by others that the passes use.
-    pub(super) buffers: &'a [BufferInfo],
-    /// Host's buffer in place of the first one.
-    pub(super) hosts: Option<vk::Buffer>,
-}
-
-/// Inputs of the passes that trace curves, beside the map.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Reads {
-    /// This many bytes of counts in the last buffer.
-    Counts(u64),
-    /// Sources: the inline ones, followed by those of each of the surface's buffers.
-    Sources,
-}
-
-impl Curves {
-    pub(super) fn new(
-        device: &ash::Device,
-        allocator: &mut dyn DeviceMemory,
-        (solver, surface): (&Solver, &FrameSurface),
-        CurvesInfo { layout, reads, buffers, hosts }: CurvesInfo,
-    ) -> Result<Self, VulkanError> {
-        let (made, lifting) = (Vec::new(), Vec::new());
-        let mut new = Self { layout, reads, hosts, buffers: made, lifting, sets: None };
-        let own = &buffers[usize::from(hosts.is_some())..];
-        let created = new
-            .allocate(device, allocator, &solver.pipelines, own)
-            .and_then(|()| new.describe(device, solver, surface));
-        match created {
-            Ok(()) => Ok(new),
-            Err(error) => {
-                new.destroy(device, allocator);
-                Err(error)
-            }
-        }
+impl<K: CurveKind> Output<K> {
+    pub(super) fn layout(&self) -> CurveLayout {
+        self.info.curves.expect("this kind of output has curves")
     }
 
-    fn allocate(
-        &mut self,
-        device: &ash::Device,
-        allocator: &mut dyn DeviceMemory,
-        pipelines: &Pipelines,
-        infos: &[BufferInfo],
-    ) -> Result<(), VulkanError> {
-        for &info in infos {
-            let buffer = Buffer::new(device, allocator, info)?;
-            pipelines.name(info.name, buffer.buffer);
-            self.buffers.push(buffer);
-        }
-        Ok(())
-    }
-
-    fn describe(
-        &mut self,
-        device: &ash::Device,
-        solver: &Solver,
-        surface: &FrameSurface,
-    ) -> Result<(), VulkanError> {
-        let contents = self.contents((device, &solver.limits), surface, self.output())?;
-        self.sets = Some(BoundSets::new(device, &solver.pipelines, surface, &contents)?);
-        self.lifting = lifting(device, solver, surface)?;
-        Ok(())
-    }
-
-    /// Returns the contents of the descriptor sets, with curves in the buffer `output`.
-    fn contents(
-        &self,
-        on: (&ash::Device, &Limits),
-        surface: &FrameSurface,
-        output: vk::Buffer,
-    ) -> Result<Vec<Content>, VulkanError> {
-        let output = whole(on, output, self.layout.bytes())?;
-        let mut contents = match self.reads {
-            Reads::Counts(bytes) => vec![Content::Input(whole(on, self.counts(), bytes)?)],
-            Reads::Sources => host_sets::all_sources(on, &surface.grid, &surface.sources)?,
-        };
-        for points in &surface.points {
-            contents.push(host_sets::points_content(on, points, surface.grid.chart)?);
-        }
-        Ok(contents.into_iter().map(|input| input.and_output(output)).collect())
-    }
-
-    /// Replaces the host's buffer in later recordings.
-    pub(super) fn set_buffer(
-        &mut self,
-        device: &ash::Device,
-        solver: &Solver,
-        surface: &FrameSurface,
-        buffer: vk::Buffer,
-    ) -> Result<(), VulkanError> {
-        if self.hosts.is_none() {
-            return Err(own_buffer("contours or paths"));
-        }
-        self.bind(device, solver, surface, buffer)?;
-        self.hosts = Some(buffer);
-        Ok(())
-    }
-
-    /// Binds the current points and sources of the surface.
-    pub(super) fn rebind(
-        &mut self,
-        device: &ash::Device,
-        solver: &Solver,
-        surface: &FrameSurface,
-    ) -> Result<(), VulkanError> {
-        self.bind(device, solver, surface, self.output())
-    }
-
-    /// Binds the surface's current points and sources, and the buffer `output` for the curves, by a version of the
-    /// descriptor sets that no tracked recording in flight uses. Also chooses the passes that lift curves to the
-    /// points again, since the points may have moved from a buffer to an image.
-    fn bind(
-        &mut self,
-        device: &ash::Device,
-        solver: &Solver,
-        surface: &FrameSurface,
-        output: vk::Buffer,
-    ) -> Result<(), VulkanError> {
-        self.sets()?.check_surface(surface)?;
-        let contents = self.contents((device, &solver.limits), surface, output)?;
-        let lifting = lifting(device, solver, surface)?;
-        if let Some(sets) = &mut self.sets {
-            sets.rebind(device, surface, &contents)?;
-        }
-        self.lifting = lifting;
-        Ok(())
-    }
-
-    /// Returns the descriptor sets, or an error if the curves were destroyed.
-    pub(super) fn sets(&self) -> Result<&BoundSets, VulkanError> {
-        self.sets.as_ref().ok_or(VulkanError::Destroyed)
-    }
-
-    /// Returns whether a tracked recording of the curves may not have run.
-    pub(super) fn is_in_flight(&self) -> bool {
-        self.sets.as_ref().is_some_and(BoundSets::are_in_flight)
-    }
-
-    pub(super) fn bytes(&self) -> u64 {
-        self.buffers.iter().map(Buffer::bytes).sum()
-    }
-
-    /// Returns the buffer that holds the curves.
-    pub(super) fn output(&self) -> vk::Buffer {
-        let own = || self.buffers.first().map_or(vk::Buffer::null(), |buffer| buffer.buffer);
-        self.hosts.unwrap_or_else(own)
-    }
-
-    /// Returns the buffer that passes count in.
-    pub(super) fn counts(&self) -> vk::Buffer {
-        self.buffers.last().map_or(vk::Buffer::null(), |buffer| buffer.buffer)
-    }
-
-    pub(super) fn curves(&self) -> CurveBuffer {
-        let CurveLayout { curves, capacity, .. } = self.layout;
-        let vertices_offset = size_of::<f32>() as u64 * self.layout.first_vertex();
-        CurveBuffer { buffer: self.output(), curves, vertices_offset, capacity }
+    /// Returns where the curves are. Contours have a single [`CurveRecord`] and are drawn as a list of lines. Each
+    /// path has a record and is drawn as a strip of lines.
+    pub fn curves(&self) -> CurveBuffer {
+        let CurveLayout { curves, capacity, .. } = self.layout();
+        let vertices_offset = size_of::<f32>() as u64 * self.layout().first_vertex();
+        CurveBuffer { buffer: self.buffer(), curves, vertices_offset, capacity }
     }
 
     /// Returns an error if the recording is for another surface, if the surface has no points with this
     /// number, if these points were replaced or have no positions, or if there is no map.
-    pub(super) fn check(&self, recording: &Recording, points: usize) -> Result<(), VulkanError> {
+    pub(super) fn check_points(
+        &self,
+        recording: &Recording,
+        points: usize,
+    ) -> Result<(), VulkanError> {
         let sets = self.sets()?;
         sets.check_surface(recording.surface)?;
         let (_, Points { kind, .. }) = recording.points(points)?;
         sets.check_points(recording.surface, points)?;
         if !kind.has_positions() {
             let reason = "a metric has no positions to lift them to".into();
-            return Err(VulkanError::Curves { what: "contours or paths", reason });
+            return Err(VulkanError::Curves { what: self.info.buffer.name, reason });
         }
         recording.surface.state.check_map()
     }
 
     /// Lifts all curves to the surface's points with this number, with a barrier before the reads of
     /// `reader`. These are the last commands of a recording that was checked before.
-    pub(super) fn lift(&self, recording: &Recording, points: usize, reader: Access) {
+    pub(super) fn lift(
+        &self,
+        recording: &Recording,
+        points: usize,
+        reader: Access,
+    ) -> Result<CurveBuffer, VulkanError> {
         let Recording { recorder, surface, .. } = recording;
-        let (Some(sets), pipeline) = (&self.sets, self.lifting[points]) else { return };
-        let traced = sets.sets().len() - self.lifting.len();
-        let set = recording.points_in(sets.sets()[traced + points]);
+        let sets = self.sets()?.sets();
+        let traced = sets.len() - self.lifting.len();
+        let set = recording.points_in(sets[traced + points]);
         surface.sets.points[points].is_read(&surface.flight);
         let Points { memory, kind, .. } = surface.points[points];
         let spacing = kind.spacing().map_or([0.0; 2], |of| [of.dx as f32, of.dy as f32]);
-        let CurveLayout { curves, capacity, .. } = self.layout;
+        let CurveLayout { curves, capacity, .. } = self.layout();
         let lift = Lift {
             grid: grid_size(surface.grid.chart),
             first_word: set.first_word,
             stride: memory.stride_words(),
             spacing,
-            first_vertex: self.layout.first_vertex() as i32,
+            first_vertex: self.layout().first_vertex() as i32,
             capacity: capacity as i32,
         };
         let lifters = if curves == 1 { capacity.div_ceil(WORKGROUP).clamp(1, LIFTERS) } else { 1 };
         let size = [WORKGROUP * lifters, curves];
         // Only the device knows how many vertices there are to lift.
         let _pass = recorder.pass(PassKind::Lift);
-        recorder.host_pass(pipeline, set.set, &lift, size);
+        recorder.host_pass(self.lifting[points], set.set, &lift, size);
         recorder.barrier(SHADER_WRITE, reader.side());
-        sets.are_used(recording.note());
+        self.end(recording);
+        Ok(self.curves())
     }
-
-    pub(super) fn destroy(&mut self, device: &ash::Device, allocator: &mut dyn DeviceMemory) {
-        if let Some(mut sets) = self.sets.take() {
-            sets.destroy(device);
-        }
-        self.buffers.drain(..).for_each(|mut buffer| buffer.destroy(device, allocator));
-    }
-}
-
-/// Returns the error for a host's buffer where the curves have a buffer of their own.
-pub(super) fn own_buffer(what: &'static str) -> VulkanError {
-    let reason = "they have a buffer of their own: make them with the host's".into();
-    VulkanError::HostBuffer { what, reason }
 }
 
 /// Returns, for each of the surface's points, the pass that reads them.
-fn lifting(
+pub(super) fn lifting(
     device: &ash::Device,
     solver: &Solver,
     surface: &FrameSurface,
@@ -435,14 +268,4 @@ fn lifting(
     };
     let make = |points| solver.pipelines.make(device, pass(points), Wavefront::Planar);
     surface.points.iter().map(make).collect()
-}
-
-/// Returns the whole of a buffer.
-fn whole(on: (&ash::Device, &Limits), buffer: vk::Buffer, bytes: u64) -> Result<Part, VulkanError> {
-    Part::new(on, "curves", buffer, 0, bytes)
-}
-
-/// Returns the bytes that buffers of these sizes take from the allocator.
-pub(super) fn bytes_for(device: &ash::Device, infos: &[BufferInfo]) -> Result<u64, VulkanError> {
-    infos.iter().map(|info| info.bytes(device)).sum()
 }

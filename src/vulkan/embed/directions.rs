@@ -1,18 +1,19 @@
 //! Finds on the device the direction in which the way back leaves each grid point.
 
-use ash::vk;
-
-use super::access::{Access, Reader};
-use super::inputs::SourceInput;
-use super::outputs::HostImage;
+use super::access::Reader;
+use super::creation::creation;
+use super::outputs::{HostImage, HostMemory, ImageKind, Output, OutputInfo, SourceFrame};
 use super::recording::Recording;
 use super::solver::Solver;
+use super::starts::{Starts, records_of_starts};
 use super::surface::{FrameSurface, ResultImage};
-use super::way_image::{WayImage, WayKind, on_way_image};
+use super::way_image::{WayKind, Ways};
 use crate::surface::Chart;
 use crate::update::Wavefront;
 use crate::vulkan::VulkanError;
+use crate::vulkan::device::barrier::SHADER;
 use crate::vulkan::device::device_memory::DeviceMemory;
+use crate::vulkan::device::limits::Limits;
 use crate::vulkan::device::memory::DIRECTION_FORMAT;
 use crate::vulkan::device::passes::{DIRECTIONS, WAY_STARTS};
 use crate::vulkan::device::pipelines::Pipeline;
@@ -34,161 +35,64 @@ use crate::vulkan::profile::PassKind;
 /// On a glued surface all copies of a point have the same direction, each in the rows and columns of its own side.
 /// The direction may lead beyond that side. At poles and at the corners of an octahedral map, the rows and columns of
 /// the copies have no common plane. There, copies may have 0, 0.
-///
-/// ```no_run
-/// # use geosweep::ash::{self, vk};
-/// # use geosweep::gpu_allocator::vulkan::Allocator;
-/// # use geosweep::vulkan::{VulkanError, embed::*};
-/// # fn host(
-/// #     device: &ash::Device, allocator: &mut Allocator, solver: &Solver, surface: &FrameSurface,
-/// #     commands: vk::CommandBuffer,
-/// # ) -> Result<(), VulkanError> {
-/// // Once:
-/// let mut directions = solver.directions(device, allocator, surface)?;
-///
-/// // Every frame, after the map of the same sources:
-/// let sources = [PointSource::at(120.5, 80.25)];
-/// let frame = DirectionFrame::new(SourceInput::Inline(&sources), Reader::COMPUTE);
-/// let image = solver.record(device, commands, surface).directions(&directions, &frame)?;
-/// // A shader moves an agent at column x and row y: place += speed * texture(image, (place + 0.5) / size).xy
-///
-/// // At the end, once no frame is in flight:
-/// directions.destroy(device, allocator);
-/// # Ok(()) }
-/// ```
-///
-/// Dropping a value of this type frees nothing. The host calls [`Directions::destroy`], before or after it
-/// destroys the surface.
+pub type Directions = Output<DirectionKind>;
+
+/// Kind of [`Directions`].
 #[derive(Debug)]
-pub struct Directions {
-    image: WayImage,
-    /// Pass that finds the sources beside points, and pass over all points.
-    pipelines: [Pipeline<Push>; 2],
+pub struct DirectionKind {
+    starts: Starts<Push>,
+    over_points: Pipeline<Push>,
+}
+
+impl ImageKind for DirectionKind {}
+
+impl WayKind for DirectionKind {
+    /// The buffer has two words for each grid point. The second is the packed direction.
+    const WAYS: Ways = Ways {
+        what: "directions",
+        format: DIRECTION_FORMAT,
+        pass: PassKind::Directions,
+        point_words: 2,
+        words_before: 1,
+    };
 }
 
 /// Parameters of [`Recording::directions`].
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
-pub struct DirectionFrame<'a> {
-    /// Access by which the host has written the sources.
-    pub before: Access,
-    /// All sources of the map, including those that were added to it.
-    pub sources: SourceInput<'a>,
-    /// Access by which the host reads the image in this frame and in the previous one, and its layout. With
-    /// [`Reader::OTHER_QUEUE`], each frame in flight needs directions of its own.
-    pub reader: Reader,
-}
+pub type DirectionFrame<'a> = SourceFrame<'a, Reader>;
 
-impl<'a> DirectionFrame<'a> {
-    /// Returns the parameters of directions that do not wait for writes of the host.
-    pub fn new(sources: SourceInput<'a>, reader: Reader) -> Self {
-        Self { before: Access::NONE, sources, reader }
-    }
-
-    /// Sets [`DirectionFrame::before`].
-    pub fn with_before(self, before: Access) -> Self {
-        Self { before, ..self }
-    }
-
-    /// Sets [`DirectionFrame::sources`].
-    pub fn with_sources(self, sources: SourceInput<'a>) -> Self {
-        Self { sources, ..self }
-    }
-
-    /// Sets [`DirectionFrame::reader`].
-    pub fn with_reader(self, reader: Reader) -> Self {
-        Self { reader, ..self }
-    }
-}
-
-/// The buffer has two words for each grid point. The second is the packed direction.
-const KIND: WayKind = WayKind {
-    what: "directions",
-    format: DIRECTION_FORMAT,
-    pass: PassKind::Directions,
-    point_words: 2,
-    words_before: 1,
-};
-
-impl Directions {
-    fn new(
-        device: &ash::Device,
-        allocator: &mut dyn DeviceMemory,
-        on: (&Solver, &FrameSurface),
-        hosts: Option<HostImage>,
-    ) -> Result<Self, VulkanError> {
-        let variant = on.1.finished_map(Wavefront::Planar);
-        let make = |pass| on.0.pipelines.make(device, pass, variant);
-        let pipelines = [make(WAY_STARTS)?, make(DIRECTIONS)?];
-        Ok(Self { image: WayImage::new(device, allocator, on, KIND, hosts)?, pipelines })
-    }
-
-    /// Returns the largest number of records that [`Recording::directions`] makes in a
-    /// [`crate::vulkan::profile::Profile`], in addition to those of [`Solver::passes_of_frame`].
-    pub fn passes(&self) -> u32 {
-        // The passes clear the buffer, write the sources, examine the sources twice, visit the copies of points on a
-        // glued surface, visit all points, and copy the result to the image.
-        1 + 1 + 2 + self.image.passes_over_copies() + 1 + 1
-    }
-}
-
-on_way_image!(Directions);
-
-impl Solver {
-    /// Returns the number of bytes that directions take from the allocator's memory blocks on this device. No
-    /// memory is allocated.
-    ///
-    /// # Errors
-    /// As for [`Solver::directions`].
-    pub fn bytes_for_directions(
-        &self,
-        device: &ash::Device,
-        chart: Chart,
-    ) -> Result<u64, VulkanError> {
-        KIND.bytes_for(device, &self.limits, chart)
-    }
-
+creation! {
+    Directions(), image: Image(HostImage);
+    bytes_for_directions(chart: Chart);
     /// Creates directions of a surface, for maps with any wavefront. The memory takes 12 bytes per grid
-    /// point, 4 of them for the image. This is the only call that allocates for directions. The first call
-    /// for a solver also creates the pipelines. The host calls [`Directions::destroy`] in the end.
-    ///
-    /// # Errors
-    /// If the buffer is larger than shaders can access, or memory runs out. Nothing is left behind then.
-    pub fn directions(
-        &self,
-        device: &ash::Device,
-        allocator: &mut dyn DeviceMemory,
-        surface: &FrameSurface,
-    ) -> Result<Directions, VulkanError> {
-        Directions::new(device, allocator, (self, surface), None)
-    }
+    /// point, 4 of them for the image.
+    directions;
+    /// The image is 2D, of format R16G16_SFLOAT, with at least N x M texels (width x height), one sample and one mip
+    /// level. Its usage is `TRANSFER_DST` and whatever its readers need. The format and usage in [`HostImage`] do not
+    /// apply.
+    directions_into;
+}
 
-    /// Creates directions as [`Solver::directions`] does, but in an image of the host. The image is 2D, of
-    /// format R16G16_SFLOAT, with at least N x M texels (width x height), one sample and one mip level. Its
-    /// usage is `TRANSFER_DST` and whatever its readers need. [`HostImage`] says how long the image must
-    /// live. Each frame may use another image ([`Directions::set_image`]).
-    ///
-    /// # Errors
-    /// As for [`Solver::directions`], or if a handle is null.
-    pub fn directions_into(
-        &self,
-        device: &ash::Device,
-        allocator: &mut dyn DeviceMemory,
-        surface: &FrameSurface,
-        image: HostImage,
-    ) -> Result<Directions, VulkanError> {
-        Directions::new(device, allocator, (self, surface), Some(image))
-    }
+fn make(
+    device: &ash::Device,
+    on: (&Solver, &FrameSurface),
+) -> Result<(OutputInfo, DirectionKind), VulkanError> {
+    let (solver, surface) = on;
+    let variant = surface.finished_map(Wavefront::Planar);
+    let starts = Starts::new(device, on, WAY_STARTS, variant)?;
+    let over_points = solver.pipelines.make(device, DIRECTIONS, variant)?;
+    // The last passes visit all points, and copy the result to the image.
+    let passes = records_of_starts(surface) + 1 + 1;
+    let info = OutputInfo { passes, ..info(&solver.limits, surface.chart())? };
+    Ok((info, DirectionKind { starts, over_points }))
+}
+
+fn info(limits: &Limits, chart: Chart) -> Result<OutputInfo, VulkanError> {
+    DirectionKind::WAYS.info(limits, chart)
 }
 
 impl Recording<'_> {
     /// Records the passes that find the direction in which the way back leaves each grid point, and returns
     /// the image that receives them.
-    ///
-    /// Record them after the map: in the same command buffer, or after [`Recording::begin`] in another. The
-    /// commands wait for the frame's `before` and for earlier reads of the image by its `reader`. Later reads
-    /// by that reader wait for the commands. `directions` and the buffer of sources must stay alive until the
-    /// commands have run.
     ///
     /// The direction is the direction of the continuous way back, which [`Recording::paths`] follows.
     /// [`crate::geometry::BackDirections`] finds the same direction on the CPU. Where several fronts meet, it
@@ -196,16 +100,17 @@ impl Recording<'_> {
     ///
     /// # Errors
     /// If the directions were destroyed or made for another surface, there is no map, the sources are too
-    /// many or do not fit the surface, or they were replaced since the last [`Directions::rebind`].
+    /// many or do not fit the surface, or they were replaced since the last [`Output::rebind`].
     pub fn directions(
         &self,
         directions: &Directions,
         frame: &DirectionFrame,
     ) -> Result<ResultImage, VulkanError> {
-        let [starts, over_points] = directions.pipelines;
+        let DirectionKind { starts, over_points } = directions.kind;
+        directions.check_sources(self, frame.sources)?;
         let _group = self.recorder.group(c"geosweep: directions");
-        let passes = directions.image.start(self, frame.sources, frame.before, starts)?;
-        passes.over_points(over_points, passes.push);
-        Ok(passes.end(frame.reader))
+        let (passes, push) = directions.start(self, frame.sources, frame.before, starts)?;
+        passes.over_points(over_points, &push, [None; 2], SHADER);
+        Ok(directions.copy(&passes, frame.reader))
     }
 }

@@ -7,6 +7,7 @@ use super::recording::Recording;
 use super::solver::Solver;
 use super::surface::{FrameSurface, ResultImage};
 use crate::vulkan::profile::Grain;
+use crate::vulkan::setters::setters;
 use crate::vulkan::{MapLimit, VulkanError};
 
 /// Parameters of [`Recording::frame`].
@@ -41,39 +42,18 @@ impl<'a> Frame<'a> {
         Self { before, points, sources, plan, slot, reader, limit, unreached }
     }
 
-    /// Sets [`Frame::before`].
-    pub fn with_before(self, before: Access) -> Self {
-        Self { before, ..self }
-    }
-
     /// Sets [`Frame::points`].
     pub fn with_points(self, points: impl Into<Option<usize>>) -> Self {
         Self { points: points.into(), ..self }
     }
 
-    /// Sets [`Frame::sources`].
-    pub fn with_sources(self, sources: SourceInput<'a>) -> Self {
-        Self { sources, ..self }
-    }
-
-    /// Sets [`Frame::slot`].
-    pub fn with_slot(self, slot: usize) -> Self {
-        Self { slot, ..self }
-    }
-
-    /// Sets [`Frame::reader`].
-    pub fn with_reader(self, reader: Reader) -> Self {
-        Self { reader, ..self }
-    }
-
-    /// Sets [`Frame::limit`].
-    pub fn with_limit(self, limit: MapLimit<'a>) -> Self {
-        Self { limit, ..self }
-    }
-
-    /// Sets [`Frame::unreached`].
-    pub fn with_unreached(self, unreached: f32) -> Self {
-        Self { unreached, ..self }
+    setters! {
+        with_before(before: Access);
+        with_sources(sources: SourceInput<'a>);
+        with_slot(slot: usize);
+        with_reader(reader: Reader);
+        with_limit(limit: MapLimit<'a>);
+        with_unreached(unreached: f32);
     }
 }
 
@@ -102,7 +82,10 @@ impl Recording<'_> {
 
     /// Checks whether a frame can be recorded, and records nothing. Returns the image that the frame will
     /// write.
-    pub(crate) fn check_frame(&self, frame: &Frame) -> Result<ResultImage, VulkanError> {
+    ///
+    /// # Errors
+    /// As for [`Recording::frame`].
+    pub fn check_frame(&self, frame: &Frame) -> Result<ResultImage, VulkanError> {
         if let Some(points) = frame.points {
             self.points(points)?;
         }
@@ -122,9 +105,7 @@ impl Recording<'_> {
 impl Solver {
     /// Returns the largest number of profile records that [`Recording::frame`] makes for a surface, or
     /// [`Recording::resume`] with the same plan. A [`crate::vulkan::profile::Profile`] needs room for all of them.
-    /// Other calls add further records: [`super::Contours::passes`], [`super::Paths::passes`],
-    /// [`super::Regions::passes`], [`super::Directions::passes`], [`super::LogMapImage::passes`], and one record for
-    /// each lookup.
+    /// Other calls add further records: [`super::Output::passes`], and one record for each lookup.
     pub fn passes_of_frame(&self, surface: &FrameSurface, plan: &Plan, grain: Grain) -> u32 {
         surface.passes_around() + plan.records(grain)
     }

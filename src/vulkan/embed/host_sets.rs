@@ -132,34 +132,42 @@ impl HostSet {
     }
 }
 
-/// Content of a descriptor set.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Content {
-    Result(vk::ImageView),
-    Texture(vk::ImageView, vk::ImageLayout),
-    TextureAndOutput(vk::ImageView, vk::ImageLayout, Part),
-    Input(Part),
-    InputAndOutput(Part, Part),
+/// Content of a descriptor set: an image or an input buffer, and perhaps an output buffer.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Content {
+    /// Binding, view and layout of the image.
+    image: Option<(u32, vk::ImageView, vk::ImageLayout)>,
+    input: Option<Part>,
+    output: Option<Part>,
 }
 
 impl Content {
-    /// Returns the name of the set in debugging tools.
-    fn name(self) -> &'static str {
-        match self {
-            Self::Result(_) => "writes distances",
-            Self::Texture(..) => "reads an image of the host's",
-            Self::TextureAndOutput(..) => "reads an image of the host's, writes what it draws",
-            Self::Input(_) => "reads a buffer",
-            Self::InputAndOutput(..) => "reads a buffer, writes another",
-        }
+    /// Returns the content for an image of distances.
+    pub(super) fn result(view: vk::ImageView) -> Self {
+        Self { image: Some((set_1::DISTANCES, view, vk::ImageLayout::GENERAL)), ..Self::default() }
+    }
+
+    fn texture(view: vk::ImageView, layout: vk::ImageLayout) -> Self {
+        Self { image: Some((set_1::IMAGE, view, layout)), ..Self::default() }
+    }
+
+    pub(super) fn input(part: Part) -> Self {
+        Self { input: Some(part), ..Self::default() }
     }
 
     /// Returns the content with an output buffer added.
     pub(super) fn and_output(self, output: Part) -> Self {
-        match self {
-            Self::Texture(view, layout) => Self::TextureAndOutput(view, layout, output),
-            Self::Input(input) => Self::InputAndOutput(input, output),
-            other => other,
+        Self { output: Some(output), ..self }
+    }
+
+    /// Returns the name of the set in debugging tools.
+    fn name(self) -> &'static str {
+        match (self.image, self.output) {
+            (Some((set_1::DISTANCES, ..)), _) => "writes distances",
+            (Some(_), None) => "reads an image of the host's",
+            (Some(_), Some(_)) => "reads an image of the host's, writes what it draws",
+            (None, None) => "reads a buffer",
+            (None, Some(_)) => "reads a buffer, writes another",
         }
     }
 }
@@ -184,7 +192,7 @@ pub(super) fn inline_sources_content(
     grid: &GridImages,
 ) -> Result<Content, VulkanError> {
     let bytes = (INLINE_SOURCES * SOURCE_BYTES) as u64;
-    Ok(Content::Input(Part::new(on, "the inline sources", grid.download.buffer, 0, bytes)?))
+    Ok(Content::input(Part::new(on, "the inline sources", grid.download.buffer, 0, bytes)?))
 }
 
 /// Returns the contents for the inline sources and for each source buffer.
@@ -204,7 +212,7 @@ pub(super) fn sources_content(
     let SourceBuffer { buffer, offset, count } = *sources;
     check_count("sources", count)?;
     let bytes = u64::from(count) * SOURCE_BYTES as u64;
-    Ok(Content::Input(Part::new(on, "sources", buffer, offset, bytes)?.with_rest(on)))
+    Ok(Content::input(Part::new(on, "sources", buffer, offset, bytes)?.with_rest(on)))
 }
 
 pub(super) fn check_count(what: &'static str, count: u32) -> Result<(), VulkanError> {
@@ -229,14 +237,14 @@ pub(super) fn points_content(
         PointMemory::Image { view, .. } if view == vk::ImageView::null() => {
             refuse("the view is the null handle".into())
         }
-        PointMemory::Image { view, layout } => Ok(Content::Texture(view, layout)),
+        PointMemory::Image { view, layout } => Ok(Content::texture(view, layout)),
         PointMemory::Buffer { buffer, offset, stride } => {
             let bytes = WORD * points.floats();
             if !stride.is_multiple_of(WORD) || stride == 0 {
                 return refuse(format!("a stride of {stride} bytes is no positive multiple of 4"));
             }
             let bytes = (chart.points() as u64 - 1).saturating_mul(stride).saturating_add(bytes);
-            Ok(Content::Input(Part::new(on, "points", buffer, offset, bytes)?.with_rest(on)))
+            Ok(Content::input(Part::new(on, "points", buffer, offset, bytes)?.with_rest(on)))
         }
     }
 }
@@ -256,29 +264,16 @@ pub(super) fn measured_content(
 
 /// Writes the content to a descriptor set that no submitted work uses.
 pub(super) fn fill(device: &ash::Device, set: vk::DescriptorSet, content: Content) -> HostSet {
-    let image = |index: u32, view, layout| {
+    let Content { image, input, output } = content;
+    if let Some((index, view, layout)) = image {
         write_view(device, (set, index, set_1::KINDS[index as usize]), view, layout);
-    };
-    let buffer = |index, part: Part| {
-        write_part(device, set, index, (part.buffer, part.start, part.range));
-        part.first_word
-    };
-    let empty = HostSet { set, ..HostSet::default() };
-    match content {
-        Content::Result(view) => image(set_1::DISTANCES, view, vk::ImageLayout::GENERAL),
-        Content::Texture(view, layout) => image(set_1::IMAGE, view, layout),
-        Content::TextureAndOutput(view, layout, output) => {
-            image(set_1::IMAGE, view, layout);
-            return HostSet { first_output: buffer(set_1::OUTPUT, output), ..empty };
-        }
-        Content::Input(part) => {
-            return HostSet { first_word: buffer(set_1::INPUT, part), room: part.room, ..empty };
-        }
-        Content::InputAndOutput(input, output) => {
-            let first_word = buffer(set_1::INPUT, input);
-            let first_output = buffer(set_1::OUTPUT, output);
-            return HostSet { set, first_word, first_output, room: input.room };
+    }
+    for (index, part) in [(set_1::INPUT, input), (set_1::OUTPUT, output)] {
+        if let Some(part) = part {
+            write_part(device, set, index, (part.buffer, part.start, part.range));
         }
     }
-    empty
+    let first_word = |part: Option<Part>| part.map_or(0, |part| part.first_word);
+    let room = input.map_or(0, |part| part.room);
+    HostSet { set, first_word: first_word(input), first_output: first_word(output), room }
 }

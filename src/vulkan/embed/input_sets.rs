@@ -1,93 +1,94 @@
-//! Manages the descriptor sets of an input that the host may replace with another buffer or image. An input
-//! has one set more than the surface has slots. The sets take turns, so that frames in flight keep their
-//! sets.
+//! Manages descriptor sets of memory that the host may replace with another buffer or image. There is one version of
+//! the sets more than the surface has slots. The versions take turns, so that frames in flight keep their sets.
 
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
-use ash::vk;
-
 use super::flight::Flight;
 use super::host_sets::{self, Content, HostSet};
-use crate::vulkan::VulkanError;
 
-/// Descriptor sets of one input.
+/// Descriptor sets in several versions, of one input of a surface or of an output.
 #[derive(Debug)]
-pub(super) struct InputSet {
+pub(super) struct Versions {
     versions: Box<[Version]>,
     current: usize,
-    /// Number of times that the input was replaced.
+    /// Number of times that the contents were replaced.
     pub(super) changes: u32,
 }
 
 #[derive(Debug)]
 struct Version {
-    set: HostSet,
-    /// Serial of the last recording that reads the set.
+    sets: Box<[HostSet]>,
+    /// Serial of the last recording that uses the sets; 0 if it is not tracked.
     used: AtomicU32,
 }
 
-/// Returns the number of sets of each input on a surface with this many slots.
+/// Returns the number of versions on a surface with this many slots.
 pub(super) fn versions(slots: usize) -> usize {
     slots.max(1) + 1
 }
 
-impl InputSet {
-    /// Creates `inputs` inputs. Each takes the next `versions` sets of the iterator.
-    pub(super) fn each(
-        inputs: usize,
-        versions: usize,
-        sets: &mut impl Iterator<Item = HostSet>,
-    ) -> Vec<Self> {
-        let mut next = || {
-            let sets = sets.by_ref().take(versions);
-            let versions = sets.map(|set| Version { set, used: 0.into() }).collect();
-            Self { versions, current: 0, changes: 0 }
-        };
-        (0..inputs).map(|_| next()).collect()
+impl Versions {
+    /// Creates the versions from the sets of each of them.
+    pub(super) fn new<'a>(versions: impl Iterator<Item = &'a [HostSet]>) -> Self {
+        let version = |sets: &[HostSet]| Version { sets: sets.into(), used: 0.into() };
+        Self { versions: versions.map(version).collect(), current: 0, changes: 0 }
     }
 
-    /// Returns the set to bind.
+    /// Creates inputs from their sets, of which each input has `versions`.
+    pub(super) fn of_inputs(sets: &[HostSet], versions: usize) -> Vec<Self> {
+        sets.chunks(versions).map(|sets| Self::new(sets.chunks(1))).collect()
+    }
+
+    /// Returns the sets to bind.
+    pub(super) fn sets(&self) -> &[HostSet] {
+        &self.versions[self.current].sets
+    }
+
+    /// Returns the set of an input to bind.
     pub(super) fn set(&self) -> HostSet {
-        self.versions[self.current].set
+        self.sets()[0]
+    }
+
+    /// Notes that the recording with this serial uses the current sets.
+    pub(super) fn are_used_by(&self, serial: u32) {
+        self.versions[self.current].used.store(serial, Relaxed);
     }
 
     /// Notes that a recording reads the input. The serial of the recording is the next one that is given out.
     pub(super) fn is_read(&self, flight: &Flight) {
-        self.versions[self.current].used.store(flight.coming(), Relaxed);
+        self.are_used_by(flight.coming());
     }
 
     /// Notes that a recording writes the host's image. With `has_note` the serial of the recording is the
     /// next one that is given out. Otherwise the last serial covers the recording. If the slot's outcome was
     /// recorded before, this is the serial of the outcome.
     pub(super) fn is_written(&self, flight: &Flight, has_note: bool) {
-        let serial = if has_note { flight.coming() } else { flight.last() };
-        self.versions[self.current].used.store(serial, Relaxed);
+        self.are_used_by(if has_note { flight.coming() } else { flight.last() });
     }
 
-    /// Returns whether a tracked recording that reads the input may not have run.
-    pub(super) fn is_in_flight(&self, flight: &Flight) -> bool {
-        self.versions.iter().any(|version| flight.waits_for(version.used.load(Relaxed)))
+    /// Returns whether a tracked recording that uses a version may not have run.
+    pub(super) fn are_in_flight(&self, flight: &Flight) -> bool {
+        self.versions.iter().any(|of| flight.waits_for(of.used.load(Relaxed)))
     }
 
-    /// Replaces the input. The new content goes into a set that no tracked recording in flight reads.
+    /// Replaces the contents, in a version that no tracked recording in flight uses. Returns false if there is none.
     pub(super) fn replace(
         &mut self,
         device: &ash::Device,
         flight: &Flight,
-        (what, number): (&'static str, usize),
-        content: Content,
-    ) -> Result<(), VulkanError> {
+        contents: &[Content],
+    ) -> bool {
         let count = self.versions.len();
         let mut others = (1..=count).map(|next| (self.current + next) % count);
         let free = others.find(|&at| !flight.waits_for(self.versions[at].used.load(Relaxed)));
-        let Some(free) = free else {
-            return Err(VulkanError::InputInFlight { what, number });
-        };
-        let set: vk::DescriptorSet = self.versions[free].set.set;
-        self.versions[free] =
-            Version { set: host_sets::fill(device, set, content), used: 0.into() };
+        let Some(free) = free else { return false };
+        let of = &mut self.versions[free];
+        for (set, content) in of.sets.iter_mut().zip(contents) {
+            *set = host_sets::fill(device, set.set, *content);
+        }
+        of.used = 0.into();
         self.current = free;
         self.changes = self.changes.wrapping_add(1);
-        Ok(())
+        true
     }
 }

@@ -4,6 +4,7 @@ use ash::vk;
 use bytemuck::{Pod, Zeroable};
 
 use crate::surface::{Chart, Seed, SourceError};
+use crate::vulkan::grid_images::INLINE_SOURCES;
 use crate::vulkan::point_kind::PointKind;
 
 /// Points of a surface in device memory of the host.
@@ -161,6 +162,9 @@ pub enum SourceInput<'a> {
 }
 
 impl SourceInput<'_> {
+    /// Largest number of inline sources.
+    pub const MOST_INLINE: usize = INLINE_SOURCES;
+
     /// Returns whether a source may lie between grid points. For a buffer this is always true, since its
     /// contents are unknown.
     pub(super) fn may_lie_inside_cells(&self) -> bool {

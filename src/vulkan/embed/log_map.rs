@@ -1,19 +1,21 @@
 //! Computes on the device the place of each grid point in the tangent plane of its source.
 
-use ash::vk;
-
 use super::access::{Access, Reader};
+use super::creation::creation;
 use super::inputs::SourceInput;
-use super::outputs::HostImage;
+use super::outputs::{HostImage, HostMemory, ImageKind, Output, OutputInfo};
 use super::recording::Recording;
 use super::solver::Solver;
+use super::starts::{Starts, records_of_starts};
 use super::surface::{FrameSurface, ResultImage};
-use super::way_image::{WayImage, WayKind, on_way_image};
+use super::way_image::{WayKind, Ways};
 use crate::constants::{LOG_MAP_DISC, LOG_MAP_STEPS};
 use crate::surface::Chart;
 use crate::update::Wavefront;
 use crate::vulkan::VulkanError;
+use crate::vulkan::device::barrier::SHADER;
 use crate::vulkan::device::device_memory::DeviceMemory;
+use crate::vulkan::device::limits::Limits;
 use crate::vulkan::device::memory::LOG_MAP_FORMAT;
 use crate::vulkan::device::passes::{
     LOG_MAP_ROUNDS, LOG_MAP_STEPS as STEPS, LOG_MAP_WAYS, WAY_STARTS,
@@ -21,6 +23,7 @@ use crate::vulkan::device::passes::{
 use crate::vulkan::device::pipelines::Pipeline;
 use crate::vulkan::device::shaders::way_starts::Push;
 use crate::vulkan::profile::PassKind;
+use crate::vulkan::setters::setters;
 
 /// Image of the log map of point sources, and the passes that compute it: [`Recording::log_map`]. The image
 /// is for decals and brushes, which read their texture at these coordinates.
@@ -31,39 +34,27 @@ use crate::vulkan::profile::PassKind;
 /// right angle to u on the surface, on the side of increasing rows ([`crate::geometry::Basis`]). With several
 /// sources each point lies in the plane of its nearest one. Devices need not filter this format: ask for
 /// `SAMPLED_IMAGE_FILTER_LINEAR`, or load four texels.
-///
-/// ```no_run
-/// # use geosweep::ash::{self, vk};
-/// # use geosweep::gpu_allocator::vulkan::Allocator;
-/// # use geosweep::vulkan::{VulkanError, embed::*};
-/// # fn host(
-/// #     device: &ash::Device, allocator: &mut Allocator, solver: &Solver, surface: &FrameSurface,
-/// #     commands: vk::CommandBuffer,
-/// # ) -> Result<(), VulkanError> {
-/// // Once:
-/// let mut log_map = solver.log_map(device, allocator, surface)?;
-///
-/// // Every frame, after the map of the same source, for a decal that is 2 units wide:
-/// let sources = [PointSource::at(120.5, 80.25)];
-/// let frame = LogMapFrame::new(SourceInput::Inline(&sources), Reader::FRAGMENT)
-///     .with_radius(1.5)
-///     .with_unreached(1e6);
-/// let image = solver.record(device, commands, surface).log_map(&log_map, &frame)?;
-/// // The fragment shader reads the decal at 0.5 + 0.5 * (u, v).
-///
-/// // At the end, once no frame is in flight:
-/// log_map.destroy(device, allocator);
-/// # Ok(()) }
-/// ```
-///
-/// Dropping a value of this type frees nothing. The host calls [`LogMapImage::destroy`], before or after it
-/// destroys the surface.
+pub type LogMapImage = Output<LogMapKind>;
+
+/// Kind of [`LogMapImage`].
 #[derive(Debug)]
-pub struct LogMapImage {
-    image: WayImage,
-    chart: Chart,
-    /// Passes that find the sources beside points, begin the ways, take their first step, and follow them.
-    pipelines: [Pipeline<Push>; 4],
+pub struct LogMapKind {
+    starts: Starts<Push>,
+    /// Passes that begin the ways, take their first step, and follow them.
+    pipelines: [Pipeline<Push>; 3],
+}
+
+impl ImageKind for LogMapKind {}
+
+impl WayKind for LogMapKind {
+    /// The buffer has two words and three pairs of words for each grid point. The first pair is (u, v).
+    const WAYS: Ways = Ways {
+        what: "log map",
+        format: LOG_MAP_FORMAT,
+        pass: PassKind::LogMap,
+        point_words: 2 + 3 * 2,
+        words_before: 2,
+    };
 }
 
 /// Parameters of [`Recording::log_map`].
@@ -93,113 +84,44 @@ impl<'a> LogMapFrame<'a> {
         Self { before, sources, reader, radius, unreached: f32::INFINITY }
     }
 
-    /// Sets [`LogMapFrame::before`].
-    pub fn with_before(self, before: Access) -> Self {
-        Self { before, ..self }
-    }
-
-    /// Sets [`LogMapFrame::sources`].
-    pub fn with_sources(self, sources: SourceInput<'a>) -> Self {
-        Self { sources, ..self }
-    }
-
-    /// Sets [`LogMapFrame::reader`].
-    pub fn with_reader(self, reader: Reader) -> Self {
-        Self { reader, ..self }
-    }
-
-    /// Sets [`LogMapFrame::radius`].
-    pub fn with_radius(self, radius: f32) -> Self {
-        Self { radius, ..self }
-    }
-
-    /// Sets [`LogMapFrame::unreached`].
-    pub fn with_unreached(self, unreached: f32) -> Self {
-        Self { unreached, ..self }
+    setters! {
+        with_before(before: Access);
+        with_sources(sources: SourceInput<'a>);
+        with_reader(reader: Reader);
+        with_radius(radius: f32);
+        with_unreached(unreached: f32);
     }
 }
 
-/// The buffer has two words and three pairs of words for each grid point. The first pair is (u, v).
-const KIND: WayKind = WayKind {
-    what: "log map",
-    format: LOG_MAP_FORMAT,
-    pass: PassKind::LogMap,
-    point_words: 2 + 3 * 2,
-    words_before: 2,
-};
-
-impl LogMapImage {
-    fn new(
-        device: &ash::Device,
-        allocator: &mut dyn DeviceMemory,
-        on: (&Solver, &FrameSurface),
-        hosts: Option<HostImage>,
-    ) -> Result<Self, VulkanError> {
-        on.1.check_open("a log map in a frame")?;
-        let make = |pass| on.0.pipelines.make(device, pass, Wavefront::Planar);
-        let pipelines =
-            [make(WAY_STARTS)?, make(LOG_MAP_WAYS)?, make(STEPS)?, make(LOG_MAP_ROUNDS)?];
-        let image = WayImage::new(device, allocator, on, KIND, hosts)?;
-        Ok(Self { image, chart: on.1.chart(), pipelines })
-    }
-
-    /// Returns the largest number of records that [`Recording::log_map`] makes in a
-    /// [`crate::vulkan::profile::Profile`], in addition to those of [`Solver::passes_of_frame`].
-    pub fn passes(&self) -> u32 {
-        // The passes clear, write the sources, examine these twice, begin the ways, step once, follow the
-        // ways in rounds, and copy.
-        1 + 1 + 2 + 1 + 1 + rounds(self.chart) + 1
-    }
+creation! {
+    LogMapImage(), image: Image(HostImage);
+    bytes_for_log_map(chart: Chart);
+    /// Creates a log map of a surface without glued sides, for maps with any wavefront. The memory takes 40 bytes per
+    /// grid point, 8 of them for the image.
+    log_map;
+    /// The image is 2D, of format R32G32_SFLOAT, with at least N x M texels (width x height), one sample and one mip
+    /// level. Its usage is `TRANSFER_DST` and whatever its readers need. The format and usage in [`HostImage`] do not
+    /// apply.
+    log_map_into;
 }
 
-on_way_image!(LogMapImage);
+fn make(
+    device: &ash::Device,
+    on: (&Solver, &FrameSurface),
+) -> Result<(OutputInfo, LogMapKind), VulkanError> {
+    let (solver, surface) = on;
+    surface.check_open("a log map in a frame")?;
+    let make = |pass| solver.pipelines.make(device, pass, Wavefront::Planar);
+    let starts = Starts::new(device, on, WAY_STARTS, Wavefront::Planar.into())?;
+    let pipelines = [make(LOG_MAP_WAYS)?, make(STEPS)?, make(LOG_MAP_ROUNDS)?];
+    // The last passes begin the ways, step once, follow the ways in rounds, and copy.
+    let passes = records_of_starts(surface) + 1 + 1 + rounds(surface.chart()) + 1;
+    let info = OutputInfo { passes, ..info(&solver.limits, surface.chart())? };
+    Ok((info, LogMapKind { starts, pipelines }))
+}
 
-impl Solver {
-    /// Returns the number of bytes that a log map takes from the allocator's memory blocks on this device. No
-    /// memory is allocated.
-    ///
-    /// # Errors
-    /// As for [`Solver::log_map`].
-    pub fn bytes_for_log_map(
-        &self,
-        device: &ash::Device,
-        chart: Chart,
-    ) -> Result<u64, VulkanError> {
-        KIND.bytes_for(device, &self.limits, chart)
-    }
-
-    /// Creates a log map of a surface, for maps with any wavefront. The memory takes 40 bytes per grid point,
-    /// 8 of them for the image. This is the only call that allocates for log maps. The first call for a
-    /// solver also creates the pipelines. The host calls [`LogMapImage::destroy`] in the end.
-    ///
-    /// # Errors
-    /// If the surface is glued, the buffer is larger than shaders can access, or memory runs out. Nothing is left
-    /// behind then.
-    pub fn log_map(
-        &self,
-        device: &ash::Device,
-        allocator: &mut dyn DeviceMemory,
-        surface: &FrameSurface,
-    ) -> Result<LogMapImage, VulkanError> {
-        LogMapImage::new(device, allocator, (self, surface), None)
-    }
-
-    /// Creates a log map as [`Solver::log_map`] does, but in an image of the host. The image is 2D, of format
-    /// R32G32_SFLOAT, with at least N x M texels (width x height), one sample and one mip level. Its usage is
-    /// `TRANSFER_DST` and whatever its readers need. [`HostImage`] says how long the image must live. The format
-    /// and usage given there do not apply. Each frame may use another image ([`LogMapImage::set_image`]).
-    ///
-    /// # Errors
-    /// As for [`Solver::log_map`], or if a handle is null.
-    pub fn log_map_into(
-        &self,
-        device: &ash::Device,
-        allocator: &mut dyn DeviceMemory,
-        surface: &FrameSurface,
-        image: HostImage,
-    ) -> Result<LogMapImage, VulkanError> {
-        LogMapImage::new(device, allocator, (self, surface), Some(image))
-    }
+fn info(limits: &Limits, chart: Chart) -> Result<OutputInfo, VulkanError> {
+    LogMapKind::WAYS.info(limits, chart)
 }
 
 /// Returns the number of rounds after which the coordinates of all points are known, if no way is longer than
@@ -214,11 +136,6 @@ impl Recording<'_> {
     /// Records the passes that compute the log map of the map's sources, and returns the image that receives
     /// it.
     ///
-    /// Record them after the map: in the same command buffer, or after [`Recording::begin`] in another. The
-    /// commands wait for the frame's `before` and for earlier reads of the image by its `reader`. Later reads
-    /// by that reader wait for the commands. `log_map` and the buffer of sources must stay alive until the
-    /// commands have run.
-    ///
     /// The coordinates are those of [`crate::geometry::LogMap`], in single precision and from the map alone:
     /// the ways back of all points are followed to their sources. The number of passes depends on the
     /// logarithm of the number of grid points, whatever the map is. The same map always gives the same
@@ -228,7 +145,7 @@ impl Recording<'_> {
     /// # Errors
     /// If the radius is not positive, the log map was destroyed or made for another surface, there is no map,
     /// the sources are too many or do not fit the surface, or they were replaced since the last
-    /// [`LogMapImage::rebind`].
+    /// [`Output::rebind`].
     pub fn log_map(
         &self,
         log_map: &LogMapImage,
@@ -239,15 +156,17 @@ impl Recording<'_> {
             let reason = format!("its radius {radius} is not positive");
             return Err(VulkanError::Curves { what: "log map", reason });
         }
-        let [starts, ways, step, round] = log_map.pipelines;
+        log_map.check_sources(self, sources)?;
+        let LogMapKind { starts, pipelines: [ways, step, round] } = log_map.kind;
         let _group = self.recorder.group(c"geosweep: log map");
-        let passes = log_map.image.start(self, sources, before, starts)?;
-        let push = Push { radius, unreached, ..passes.push };
-        passes.over_points(ways, push);
-        passes.over_points(step, push);
+        let (passes, push) = log_map.start(self, sources, before, starts)?;
+        let push = Push { radius, unreached, ..push };
+        let over_points = |pipeline, push| passes.over_points(pipeline, &push, [None; 2], SHADER);
+        over_points(ways, push);
+        over_points(step, push);
         for turn in 0..rounds(log_map.chart) as i32 {
-            passes.over_points(round, Push { turn, ..push });
+            over_points(round, Push { turn, ..push });
         }
-        Ok(passes.end(reader))
+        Ok(log_map.copy(&passes, reader))
     }
 }

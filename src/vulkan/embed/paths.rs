@@ -1,12 +1,13 @@
 //! Traces geodesic paths on the device, for drawing in the same frame.
 
-use crate::vulkan::device::device_memory::DeviceMemory;
 use ash::vk;
 
 use super::access::Access;
-use super::curves::{self, CurveBuffer, CurveLayout, CurveRecord, Curves, CurvesInfo, Reads};
+use super::creation::creation;
+use super::curves::{CurveBuffer, CurveKind, CurveLayout, CurveRecord};
 use super::host_sets;
 use super::inputs::{PointSource, SourceInput};
+use super::outputs::{BufferKind, HostMemory, Output, OutputInfo};
 use super::recording::{Recording, grid_size};
 use super::solver::Solver;
 use super::surface::FrameSurface;
@@ -14,55 +15,27 @@ use crate::constants::{CURVE_WORDS, PATH_WORDS, STEPS_TOGETHER};
 use crate::update::Wavefront;
 use crate::vulkan::VulkanError;
 use crate::vulkan::device::barrier::{SHADER, SHADER_WRITE, TRANSFER, TRANSFER_WRITE};
+use crate::vulkan::device::device_memory::DeviceMemory;
 use crate::vulkan::device::limits::Limits;
-use crate::vulkan::device::memory::BufferInfo;
 use crate::vulkan::device::passes::{PATH_STARTS, PATHS};
 use crate::vulkan::device::pipelines::Pipeline;
 use crate::vulkan::device::shaders::path_starts::Push;
 use crate::vulkan::profile::PassKind;
 use crate::vulkan::record::Moved;
+use crate::vulkan::setters::setters;
 
 /// Buffer for the paths on a surface, and the passes that trace them: [`Recording::paths`].
-///
-/// ```no_run
-/// # use geosweep::ash::{self, vk};
-/// # use geosweep::gpu_allocator::vulkan::Allocator;
-/// # use geosweep::vulkan::{VulkanError, embed::*};
-/// # fn host(
-/// #     device: &ash::Device, allocator: &mut Allocator, solver: &Solver, surface: &FrameSurface,
-/// #     commands: vk::CommandBuffer,
-/// # ) -> Result<(), VulkanError> {
-/// // Once: room for two paths.
-/// let info = PathsInfo::new(2, 1000);
-/// let mut paths = solver.paths(device, allocator, surface, info)?;
-///
-/// // Every frame, after the map:
-/// let starts = StartInput::Inline(&[[20.5, 31.0], [200.0, 5.25]]);
-/// let sources = [PointSource::at(120.5, 80.25)];
-/// let frame = PathFrame::new(starts, SourceInput::Inline(&sources), Access::DRAW);
-/// let strips = solver.record(device, commands, surface).paths(&paths, &frame)?;
-/// // In the render pass, with a pipeline for a strip of lines:
-/// unsafe {
-///     device.cmd_bind_vertex_buffers(commands, 0, &[strips.buffer], &[strips.vertices_offset]);
-///     for path in 0..2 {
-///         let record = path * u64::from(CurveRecord::BYTES);
-///         device.cmd_draw_indirect(commands, strips.buffer, record, 1, CurveRecord::BYTES);
-///     }
-/// }
-///
-/// // At the end, once no frame is in flight:
-/// paths.destroy(device, allocator);
-/// # Ok(()) }
-/// ```
-///
-/// Dropping a value of this type frees nothing. The host calls [`Paths::destroy`], before or after it
-/// destroys the surface.
+pub type Paths = Output<PathKind>;
+
+/// Kind of [`Paths`].
 #[derive(Debug)]
-pub struct Paths {
-    curves: Curves,
+pub struct PathKind {
     /// Pass that begins the paths, and pass that continues them and is repeated.
     pipelines: [Pipeline<Push>; 2],
 }
+
+impl BufferKind for PathKind {}
+impl CurveKind for PathKind {}
 
 /// Room for paths.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -123,29 +96,12 @@ impl<'a> PathFrame<'a> {
         Self { before: Access::NONE, starts, sources, points: 0, reader }
     }
 
-    /// Sets [`PathFrame::before`].
-    pub fn with_before(self, before: Access) -> Self {
-        Self { before, ..self }
-    }
-
-    /// Sets [`PathFrame::starts`].
-    pub fn with_starts(self, starts: StartInput<'a>) -> Self {
-        Self { starts, ..self }
-    }
-
-    /// Sets [`PathFrame::sources`].
-    pub fn with_sources(self, sources: SourceInput<'a>) -> Self {
-        Self { sources, ..self }
-    }
-
-    /// Sets [`PathFrame::points`].
-    pub fn with_points(self, points: usize) -> Self {
-        Self { points, ..self }
-    }
-
-    /// Sets [`PathFrame::reader`].
-    pub fn with_reader(self, reader: Access) -> Self {
-        Self { reader, ..self }
+    setters! {
+        with_before(before: Access);
+        with_starts(starts: StartInput<'a>);
+        with_sources(sources: SourceInput<'a>);
+        with_points(points: usize);
+        with_reader(reader: Access);
     }
 }
 
@@ -164,157 +120,41 @@ impl StartInput<'_> {
 }
 
 impl Paths {
-    pub(super) fn new(
-        device: &ash::Device,
-        allocator: &mut dyn DeviceMemory,
-        (solver, surface): (&Solver, &FrameSurface),
-        info: PathsInfo,
-        hosts: Option<vk::Buffer>,
-    ) -> Result<Self, VulkanError> {
-        let limits = &solver.limits;
-        let (layout, buffers) = parts(limits, info)?;
-        let variant = surface.finished_map(Wavefront::Planar);
-        let make = |pass| solver.pipelines.make(device, pass, variant);
-        let pipelines = [make(PATH_STARTS)?, make(PATHS)?];
-        let info = CurvesInfo { layout, reads: Reads::Sources, buffers: &buffers, hosts };
-        let curves = Curves::new(device, allocator, (solver, surface), info)?;
-        Ok(Self { curves, pipelines })
-    }
-
-    pub(super) fn bytes_for(
-        device: &ash::Device,
-        limits: &Limits,
-        info: PathsInfo,
-    ) -> Result<u64, VulkanError> {
-        curves::bytes_for(device, &parts(limits, info)?.1)
-    }
-
-    /// Returns where the paths are. Each has a [`super::CurveRecord`] and is drawn as a strip of lines.
-    pub fn curves(&self) -> CurveBuffer {
-        self.curves.curves()
-    }
-
-    /// Returns the largest number of records that [`Recording::paths`] makes in a
-    /// [`crate::vulkan::profile::Profile`], in addition to those of [`Solver::passes_of_frame`].
-    pub fn passes(&self) -> u32 {
-        // The passes write the sources, begin the paths, continue them, and lift them.
-        1 + 1 + passes_that_go_on(self.curves.layout, MOST_TRACES) + 1
-    }
-
-    /// Returns the number of bytes taken from the allocator's memory blocks.
-    pub fn bytes(&self) -> u64 {
-        self.curves.bytes()
-    }
-
-    /// Binds the surface's current points and sources, after [`FrameSurface::set_points`] or
-    /// [`FrameSurface::set_sources`] has replaced some of them. Recordings in flight still read the old ones,
-    /// which the host keeps alive until these recordings have run.
-    ///
-    /// # Errors
-    /// If the paths were made for another surface or were destroyed, or all of their descriptor sets are in
-    /// flight.
-    pub fn rebind(
-        &mut self,
-        device: &ash::Device,
-        solver: &Solver,
-        surface: &FrameSurface,
-    ) -> Result<(), VulkanError> {
-        self.curves.rebind(device, solver, surface)
-    }
-
     /// Returns the smallest size in bytes of a buffer of the host for [`Solver::paths_into`].
     pub fn buffer_bytes(info: PathsInfo) -> u64 {
         layout_of(info).bytes()
     }
-
-    /// Replaces the host's buffer in all later recordings of the paths. Recordings in flight still write the
-    /// old buffer, which the host keeps alive until they have run.
-    ///
-    /// # Errors
-    /// As for [`Paths::rebind`], or if the paths have a buffer of their own, or the new buffer is too small.
-    pub fn set_buffer(
-        &mut self,
-        device: &ash::Device,
-        solver: &Solver,
-        surface: &FrameSurface,
-        buffer: vk::Buffer,
-    ) -> Result<(), VulkanError> {
-        self.curves.set_buffer(device, solver, surface, buffer)
-    }
-
-    /// Returns whether a recording of the paths may not have run. This is known with [`super::Tools::checks`]
-    /// only.
-    pub fn is_in_flight(&self) -> bool {
-        self.curves.is_in_flight()
-    }
-
-    /// Frees everything. No submitted work may still use the paths. A second call does nothing.
-    pub fn destroy(&mut self, device: &ash::Device, allocator: &mut dyn DeviceMemory) {
-        self.curves.destroy(device, allocator);
-    }
 }
 
-impl Solver {
-    /// Returns the number of bytes that paths take from the allocator's memory blocks on this device. No
-    /// memory is allocated.
-    ///
-    /// # Errors
-    /// As for [`Solver::paths`].
-    pub fn bytes_for_paths(
-        &self,
-        device: &ash::Device,
-        info: PathsInfo,
-    ) -> Result<u64, VulkanError> {
-        Paths::bytes_for(device, &self.limits, info)
-    }
-
-    /// Creates paths on a surface. The memory takes 24 bytes per vertex and 104 bytes per path. This is the
-    /// only call that allocates for paths. The first call on a solver also creates the pipelines. The host
-    /// calls [`Paths::destroy`] in the end.
-    ///
-    /// # Errors
-    /// If there is no room for a path, the buffer is larger than shaders can access, or memory runs out.
-    /// Nothing is left behind then.
-    pub fn paths(
-        &self,
-        device: &ash::Device,
-        allocator: &mut dyn DeviceMemory,
-        surface: &FrameSurface,
-        info: PathsInfo,
-    ) -> Result<Paths, VulkanError> {
-        Paths::new(device, allocator, (self, surface), info, None)
-    }
-
-    /// Creates paths as [`Solver::paths`] does, but in a buffer of the host, from its first byte.
-    /// [`Paths::buffer_bytes`] returns the size that the buffer needs. Its usages are `STORAGE_BUFFER`,
-    /// `TRANSFER_DST` and those of its readers, such as `VERTEX_BUFFER`, `INDIRECT_BUFFER` or
+creation! {
+    Paths(room: PathsInfo), buffer: Buffer(vk::Buffer);
+    bytes_for_paths(room: PathsInfo);
+    /// Creates paths on a surface. The memory takes 24 bytes per vertex and 104 bytes per path.
+    paths;
+    /// The buffer is used from its first byte. [`Paths::buffer_bytes`] returns the size that it needs. Its usages are
+    /// `STORAGE_BUFFER`, `TRANSFER_DST` and those of its readers, such as `VERTEX_BUFFER`, `INDIRECT_BUFFER` or
     /// `SHADER_DEVICE_ADDRESS`.
-    ///
-    /// The host keeps the buffer alive until the recordings that write it have run, and destroys it. Each
-    /// frame may use another buffer ([`Paths::set_buffer`]).
-    ///
-    /// # Errors
-    /// As for [`Solver::paths`], or if the buffer is too small, as far as its memory requirements show that.
-    pub fn paths_into(
-        &self,
-        device: &ash::Device,
-        allocator: &mut dyn DeviceMemory,
-        surface: &FrameSurface,
-        info: PathsInfo,
-        buffer: vk::Buffer,
-    ) -> Result<Paths, VulkanError> {
-        Paths::new(device, allocator, (self, surface), info, Some(buffer))
-    }
+    paths_into;
+}
+
+fn make(
+    device: &ash::Device,
+    (solver, surface): (&Solver, &FrameSurface),
+    room: PathsInfo,
+) -> Result<(OutputInfo, PathKind), VulkanError> {
+    let info = info(&solver.limits, room)?;
+    let variant = surface.finished_map(Wavefront::Planar);
+    let make = |pass| solver.pipelines.make(device, pass, variant);
+    Ok((info, PathKind { pipelines: [make(PATH_STARTS)?, make(PATHS)?] }))
 }
 
 fn layout_of(PathsInfo { paths, vertices }: PathsInfo) -> CurveLayout {
     CurveLayout { curves: paths, capacity: vertices, between: (2 + PATH_WORDS) * paths }
 }
 
-/// Returns the layout and the only buffer. Starts and states of the paths lie between the records and the
-/// vertices.
-fn parts(limits: &Limits, info: PathsInfo) -> Result<(CurveLayout, [BufferInfo; 1]), VulkanError> {
-    let PathsInfo { paths, vertices } = info;
+/// Returns the only buffer. Starts and states of the paths lie between the records and the vertices.
+fn info(limits: &Limits, room: PathsInfo) -> Result<OutputInfo, VulkanError> {
+    let PathsInfo { paths, vertices } = room;
     let refuse = |reason| Err(VulkanError::Curves { what: "paths", reason });
     if paths == 0 || paths > MOST_PATHS {
         return refuse(format!(
@@ -324,19 +164,16 @@ fn parts(limits: &Limits, info: PathsInfo) -> Result<(CurveLayout, [BufferInfo; 
     if vertices < 2 {
         return refuse(format!("{vertices} vertices are too few for a line"));
     }
-    let layout = layout_of(info);
-    layout.check("paths", limits)?;
-    Ok((layout, [layout.info("paths")]))
+    let layout = layout_of(room);
+    // The passes write the sources, begin the paths, continue them, and lift them.
+    let passes = 1 + 1 + passes_that_go_on(layout, MOST_TRACES) + 1;
+    let (buffer, curves) = (layout.buffer("paths", limits)?, Some(layout));
+    Ok(OutputInfo { buffer, counts: None, image: None, curves, passes })
 }
 
 impl Recording<'_> {
     /// Records the passes that trace paths from the frame's starts back to the sources, and lift them to the
     /// surface. Returns the buffer that receives them for the host to draw.
-    ///
-    /// Record them after the map: in the same command buffer, or after [`Recording::begin`] in another. The
-    /// commands wait for the frame's `before` and for earlier reads by its `reader`. Later reads by that
-    /// reader wait for the commands. `paths`, and the buffers of starts and sources, must stay alive until
-    /// the commands have run.
     ///
     /// The paths are those of [`crate::geometry::PathTracer`], in single precision. A path has at least one
     /// vertex at each grid line that it crosses, and ends at a source exactly. If there is no path to draw,
@@ -348,14 +185,12 @@ impl Recording<'_> {
     ///
     /// # Errors
     /// If the paths were destroyed or made for another surface, there is no map, the frame's points do not
-    /// exist or are a metric, points or sources were replaced since the last [`Paths::rebind`], or starts or
+    /// exist or are a metric, points or sources were replaced since the last [`Output::rebind`], or starts or
     /// sources are too many or lie beyond their buffer.
     pub fn paths(&self, paths: &Paths, frame: &PathFrame) -> Result<CurveBuffer, VulkanError> {
-        let (curves, layout) = (&paths.curves, paths.curves.layout);
-        curves.check(self, frame.points)?;
-        self.check_sources(frame.sources)?;
-        let sets = curves.sets()?;
-        sets.check_sources(self.surface, frame.sources)?;
+        let layout = paths.layout();
+        paths.check_points(self, frame.points)?;
+        paths.check_sources(self, frame.sources)?;
         let count = frame.starts.count();
         check_starts(self.recorder.device, frame.starts, layout.curves as usize)?;
         let recorder = &self.recorder;
@@ -368,19 +203,15 @@ impl Recording<'_> {
         match frame.starts {
             _ if count == 0 => {}
             StartInput::Inline(starts) => {
-                recorder.update(curves.output(), to, bytemuck::cast_slice(starts));
+                recorder.update(paths.buffer(), to, bytemuck::cast_slice(starts));
             }
             StartInput::Buffer { buffer, offset, .. } => {
                 let size = (START_BYTES * count) as u64;
-                recorder.copy((buffer, offset), (curves.output(), to), size);
+                recorder.copy((buffer, offset), (paths.buffer(), to), size);
             }
         }
         recorder.barrier(TRANSFER_WRITE, SHADER);
-        if let SourceInput::Inline(sources) = frame.sources {
-            recorder.write_sources(bytemuck::cast_slice(sources));
-        }
-        let (inline, of_buffer) = (sets.sets()[0], |number| sets.sets()[1 + number]);
-        let (set, sources) = self.sources_in(frame.sources, inline, of_buffer);
+        let (set, sources) = paths.read_sources(self, frame.sources)?;
         let batch = Push {
             grid: grid_size(self.surface.grid.chart),
             paths: count as i32,
@@ -393,7 +224,7 @@ impl Recording<'_> {
         };
         let passes = passes_that_go_on(layout, traces(frame.sources));
         for pass in 0..=passes {
-            let pipeline = paths.pipelines[usize::from(pass > 0)];
+            let pipeline = paths.kind.pipelines[usize::from(pass > 0)];
             let size = [layout.curves, 1];
             // Only the device knows how many steps the paths take.
             let moved = match pass {
@@ -404,8 +235,7 @@ impl Recording<'_> {
             recorder.map_pass(pipeline, set.set, &batch, size);
             recorder.barrier(SHADER_WRITE, SHADER);
         }
-        curves.lift(self, frame.points, frame.reader);
-        Ok(paths.curves())
+        paths.lift(self, frame.points, frame.reader)
     }
 }
 

@@ -2,11 +2,13 @@
 //! surface was made.
 
 use super::host_sets::{Content, measured_content, sources_content};
+use super::input_sets::Versions;
 use super::inputs::{Points, SourceBuffer};
 use super::numbered::nth;
 use super::outputs::HostImage;
 use super::solver::Solver;
 use super::surface::{FrameSurface, check_kind};
+use super::surface_sets::HostSets;
 use crate::vulkan::VulkanError;
 
 impl FrameSurface {
@@ -21,7 +23,7 @@ impl FrameSurface {
     /// that is submitted repeatedly must be recorded again.
     ///
     /// Edge lengths are those of the old points until [`super::Recording::measure`]. Contours and paths are
-    /// lifted to the new points after [`super::Contours::rebind`] and [`super::Paths::rebind`].
+    /// lifted to the new points after [`super::Output::rebind`].
     ///
     /// # Errors
     /// If there is no such number, the points cannot be used as described, the surface was destroyed, or all
@@ -43,15 +45,13 @@ impl FrameSurface {
             check_kind(gluing, points.kind)?;
         }
         let content = measured_content((device, &solver.limits), points, &self.grid)?;
-        let set = &mut self.sets.points[number];
-        set.replace(device, &self.flight, ("points", number), content)?;
+        self.replace(device, |sets| &mut sets.points, ("points", number), content)?;
         self.points[number] = *points;
         Ok(())
     }
 
     /// Replaces the surface's source buffer with this `number`, under the same rules as
-    /// [`FrameSurface::set_points`]. Paths and regions read the new buffer after [`super::Paths::rebind`] and
-    /// [`super::Regions::rebind`].
+    /// [`FrameSurface::set_points`]. Outputs other than contours read the new buffer after [`super::Output::rebind`].
     ///
     /// # Errors
     /// As for [`FrameSurface::set_points`].
@@ -65,8 +65,7 @@ impl FrameSurface {
         nth(&self.sources, "source buffers", number)?;
         self.state.check_there()?;
         let content = sources_content((device, &solver.limits), sources)?;
-        let set = &mut self.sets.sources[number];
-        set.replace(device, &self.flight, ("sources", number), content)?;
+        self.replace(device, |sets| &mut sets.sources, ("sources", number), content)?;
         self.sources[number] = *sources;
         Ok(())
     }
@@ -92,9 +91,22 @@ impl FrameSurface {
             return Err(VulkanError::OwnResults);
         }
         image.check("distances")?;
-        let content = Content::Result(image.view);
-        self.sets.results[slot].replace(device, &self.flight, ("distances", slot), content)?;
+        let content = Content::result(image.view);
+        self.replace(device, |sets| &mut sets.results, ("distances", slot), content)?;
         self.results[slot] = image;
         Ok(())
+    }
+    /// Replaces the content of an input of the surface, or returns an error if all of its descriptor sets are in flight.
+    fn replace(
+        &mut self,
+        device: &ash::Device,
+        inputs: impl FnOnce(&mut HostSets) -> &mut Vec<Versions>,
+        (what, number): (&'static str, usize),
+        content: Content,
+    ) -> Result<(), VulkanError> {
+        match inputs(&mut self.sets)[number].replace(device, &self.flight, &[content]) {
+            true => Ok(()),
+            false => Err(VulkanError::InputInFlight { what, number }),
+        }
     }
 }

@@ -14,10 +14,9 @@ use super::state::State;
 use super::surface_sets::HostSets;
 use crate::constants::{BORDER, NEVER_MEASURED, SOURCES_TOGETHER, TIME};
 use crate::surface::{
-    Chart, EdgeRule, Glued, Gluing, GluingError, Lattice, Resolution, SurfaceError, UNGLUED,
+    Chart, EdgeRule, Glued, Gluing, GluingError, Resolution, SurfaceError, UNGLUED,
 };
 use crate::update::Wavefront;
-use crate::vulkan::VulkanError;
 use crate::vulkan::copies::CopyList;
 use crate::vulkan::device::bands::{POINT_BYTES, bands, frame_bytes};
 use crate::vulkan::device::memory::{FORMAT, RESULT_FORMAT};
@@ -25,6 +24,8 @@ use crate::vulkan::device::passes::Variant;
 use crate::vulkan::grid_images::{GridImages, INLINE_SOURCES, Purpose};
 use crate::vulkan::point_kind::PointKind;
 use crate::vulkan::schedules::progress::{Record, offset};
+use crate::vulkan::setters::setters;
+use crate::vulkan::{TexelChart, VulkanError};
 
 /// Parameters of a surface. The host's images and buffers still belong to the host. They must be alive
 /// whenever a recording that uses them runs. Their contents may change from frame to frame.
@@ -63,6 +64,9 @@ pub struct SurfaceInfo<'a> {
     pub lookups: &'a [Lookup],
 }
 
+/// Size of the grid and of its images, the purpose of these, and the gluing.
+type Wanted<'f> = ((Chart, TexelChart), Purpose<'f>, Option<Glued>);
+
 impl<'a> SurfaceInfo<'a> {
     /// Returns the parameters of a grid with one slot, and with no memory of the host.
     pub fn new(chart: Chart) -> Self {
@@ -79,44 +83,19 @@ impl<'a> SurfaceInfo<'a> {
         }
     }
 
-    /// Sets [`SurfaceInfo::edge_rule`].
-    pub fn with_edge_rule(self, edge_rule: EdgeRule) -> Self {
-        Self { edge_rule, ..self }
-    }
-
-    /// Sets [`SurfaceInfo::slots`].
-    pub fn with_slots(self, slots: usize) -> Self {
-        Self { slots, ..self }
-    }
-
-    /// Sets [`SurfaceInfo::queue_families`].
-    pub fn with_queue_families(self, queue_families: &'a [u32]) -> Self {
-        Self { queue_families, ..self }
-    }
-
     /// Sets [`SurfaceInfo::gluing`].
     pub fn with_gluing(self, gluing: impl Into<Option<&'a Gluing>>) -> Self {
         Self { gluing: gluing.into(), ..self }
     }
 
-    /// Sets [`SurfaceInfo::results`].
-    pub fn with_results(self, results: &'a [HostImage]) -> Self {
-        Self { results, ..self }
-    }
-
-    /// Sets [`SurfaceInfo::points`].
-    pub fn with_points(self, points: &'a [Points]) -> Self {
-        Self { points, ..self }
-    }
-
-    /// Sets [`SurfaceInfo::sources`].
-    pub fn with_sources(self, sources: &'a [SourceBuffer]) -> Self {
-        Self { sources, ..self }
-    }
-
-    /// Sets [`SurfaceInfo::lookups`].
-    pub fn with_lookups(self, lookups: &'a [Lookup]) -> Self {
-        Self { lookups, ..self }
+    setters! {
+        with_edge_rule(edge_rule: EdgeRule);
+        with_slots(slots: usize);
+        with_queue_families(queue_families: &'a [u32]);
+        with_results(results: &'a [HostImage]);
+        with_points(points: &'a [Points]);
+        with_sources(sources: &'a [SourceBuffer]);
+        with_lookups(lookups: &'a [Lookup]);
     }
 
     /// Returns each queue family once.
@@ -134,11 +113,16 @@ impl<'a> SurfaceInfo<'a> {
         Ok(Some(Glued::of_grid(self.chart, gluing).map_err(SurfaceError::from)?))
     }
 
-    fn purpose<'f>(&self, families: &'f [u32], lattice: Lattice) -> Purpose<'f> {
+    /// Checks the parameters, and returns what follows from them.
+    fn wanted<'f>(&self, solver: &Solver, families: &'f [u32]) -> Result<Wanted<'f>, VulkanError> {
+        self.check()?;
+        let size = (self.chart, solver.limits.texels(self.chart)?);
+        let glued = self.glued()?;
+        let lattice = glued.as_ref().map(Glued::lattice).unwrap_or_default();
         let slowed = self.points.iter().any(|points| points.slowness.is_some());
         let slots = self.slots.max(1);
         let results = if self.results.is_empty() { slots } else { 0 };
-        Purpose { slowed, slots: Some(slots), results, families, lattice }
+        Ok((size, Purpose { slowed, slots: Some(slots), results, families, lattice }, glued))
     }
 
     fn check(&self) -> Result<(), VulkanError> {
@@ -252,12 +236,9 @@ impl FrameSurface {
         solver: &Solver,
         info: &SurfaceInfo,
     ) -> Result<Self, VulkanError> {
-        info.check()?;
-        let size = (info.chart, solver.limits.texels(info.chart)?);
-        let (pipelines, families) = (&solver.pipelines, info.families());
-        let glued = info.glued()?;
-        let lattice = glued.as_ref().map(Glued::lattice).unwrap_or_default();
-        let purpose = info.purpose(&families, lattice);
+        let families = info.families();
+        let (size, purpose, glued) = info.wanted(solver, &families)?;
+        let pipelines = &solver.pipelines;
         let slowed = purpose.slowed;
         let small_tiles = solver.tuning().has_small_tiles(size.1);
         let sort = Sort { slowed, small_tiles, glued: glued.is_some() };
@@ -296,12 +277,8 @@ impl FrameSurface {
         solver: &Solver,
         info: &SurfaceInfo,
     ) -> Result<u64, VulkanError> {
-        info.check()?;
-        let size = (info.chart, solver.limits.texels(info.chart)?);
         let families = info.families();
-        let glued = info.glued()?;
-        let lattice = glued.as_ref().map(Glued::lattice).unwrap_or_default();
-        let purpose = info.purpose(&families, lattice);
+        let (size, purpose, glued) = info.wanted(solver, &families)?;
         let bytes = GridImages::bytes_for(device, solver.pipelines.tuning, size, purpose)?;
         let list = glued.map(|glued| CopyList::with_rings(info.chart, &glued).buffer_info());
         Ok(bytes + list.map_or(Ok(0), |info| info.bytes(device))?)
@@ -426,7 +403,7 @@ impl FrameSurface {
     /// # Errors
     /// If there are no such points.
     pub fn points_in_flight(&self, number: usize) -> Result<bool, VulkanError> {
-        Ok(nth(&self.sets.points, "point inputs", number)?.is_in_flight(&self.flight))
+        Ok(nth(&self.sets.points, "point inputs", number)?.are_in_flight(&self.flight))
     }
 
     /// Declares that the last recording for a slot was discarded and will never run. The surface no longer

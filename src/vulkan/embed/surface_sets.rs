@@ -7,7 +7,7 @@ use super::host_sets::{
     Content, HostSet, Part, WORD, check_count, describe, inline_sources_content, measured_content,
     sources_content,
 };
-use super::input_sets::{InputSet, versions};
+use super::input_sets::{Versions, versions};
 use super::inputs::{Lookup, Points, SourceBuffer};
 use super::outputs::HostImage;
 use crate::vulkan::VulkanError;
@@ -19,10 +19,10 @@ use crate::vulkan::grid_images::GridImages;
 #[derive(Debug)]
 pub(super) struct HostSets {
     pub(super) pool: vk::DescriptorPool,
-    pub(super) results: Vec<InputSet>,
+    pub(super) results: Vec<Versions>,
     pub(super) inline_sources: HostSet,
-    pub(super) points: Vec<InputSet>,
-    pub(super) sources: Vec<InputSet>,
+    pub(super) points: Vec<Versions>,
+    pub(super) sources: Vec<Versions>,
     pub(super) lookups: Vec<HostSet>,
 }
 
@@ -39,11 +39,12 @@ impl HostSets {
     ) -> Result<Self, VulkanError> {
         let versions = versions(grid.slots);
         // Images of the surface's own are never replaced.
-        let of_results = if results.is_empty() { 1 } else { versions };
+        let result_versions = if results.is_empty() { 1 } else { versions };
         let views = grid.results.iter().map(|image| image.view);
         let views = views.chain(results.iter().map(|image| image.view));
-        let mut contents: Vec<_> =
-            views.flat_map(|view| std::iter::repeat_n(Content::Result(view), of_results)).collect();
+        let mut contents: Vec<_> = views
+            .flat_map(|view| std::iter::repeat_n(Content::result(view), result_versions))
+            .collect();
         let on = (device, limits);
         contents.push(inline_sources_content(on, grid)?);
         for points in points {
@@ -58,20 +59,22 @@ impl HostSets {
             check_count("places", lookup.count)?;
             let count = u64::from(lookup.count);
             let Lookup { places, places_offset, distances, distances_offset, .. } = *lookup;
-            contents.push(Content::InputAndOutput(
-                Part::new(on, "places", places, places_offset, 2 * WORD * count)?,
-                Part::new(on, "distances", distances, distances_offset, WORD * count)?,
-            ));
+            let input = Part::new(on, "places", places, places_offset, 2 * WORD * count)?;
+            let output = Part::new(on, "distances", distances, distances_offset, WORD * count)?;
+            contents.push(Content::input(input).and_output(output));
         }
         let (pool, sets) = describe(device, pipelines, &contents)?;
-        let mut sets = sets.into_iter();
+        let (of_results, rest) = sets.split_at(grid.slots * result_versions);
+        let (inline_sources, rest) = rest.split_first().expect("every surface has this set");
+        let (of_points, rest) = rest.split_at(points.len() * versions);
+        let (of_sources, of_lookups) = rest.split_at(sources.len() * versions);
         Ok(Self {
             pool,
-            results: InputSet::each(grid.slots, of_results, &mut sets),
-            inline_sources: sets.next().expect("every surface has this set"),
-            points: InputSet::each(points.len(), versions, &mut sets),
-            sources: InputSet::each(sources.len(), versions, &mut sets),
-            lookups: sets.collect(),
+            results: Versions::of_inputs(of_results, result_versions),
+            inline_sources: *inline_sources,
+            points: Versions::of_inputs(of_points, versions),
+            sources: Versions::of_inputs(of_sources, versions),
+            lookups: of_lookups.to_vec(),
         })
     }
 

@@ -11,6 +11,7 @@ use super::surface::FrameSurface;
 use crate::vulkan::VulkanError;
 use crate::vulkan::device::barrier::MOST_TOGETHER;
 use crate::vulkan::record::{Commands, Recorder, Turn};
+use crate::vulkan::setters::setters;
 
 /// Frame of one of several surfaces that [`Solver::record_frames`] records together.
 #[derive(Clone, Copy, Debug)]
@@ -30,19 +31,10 @@ impl<'a> SurfaceFrame<'a> {
         Self { surface, frame, points_at: 0 }
     }
 
-    /// Sets [`SurfaceFrame::surface`].
-    pub fn with_surface(self, surface: &'a FrameSurface) -> Self {
-        Self { surface, ..self }
-    }
-
-    /// Sets [`SurfaceFrame::frame`].
-    pub fn with_frame(self, frame: Frame<'a>) -> Self {
-        Self { frame, ..self }
-    }
-
-    /// Sets [`SurfaceFrame::points_at`].
-    pub fn with_points_at(self, points_at: u64) -> Self {
-        Self { points_at, ..self }
+    setters! {
+        with_surface(surface: &'a FrameSurface);
+        with_frame(frame: Frame<'a>);
+        with_points_at(points_at: u64);
     }
 }
 

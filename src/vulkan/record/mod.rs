@@ -16,6 +16,3 @@ pub(crate) use pass_kind::MapPart;
 pub use pass_kind::PassKind;
 pub(crate) use recorder::Recorder;
 pub(crate) use turn::Turn;
-
-#[cfg(feature = "capi")]
-pub(crate) use super::device::barrier::MOST_TOGETHER;

@@ -122,7 +122,8 @@ impl PassKind {
         }
     }
 
-    pub(crate) fn label(self) -> &'static CStr {
+    /// Returns the name of the pass in debugging tools.
+    pub fn label(self) -> &'static CStr {
         self.row().0
     }
 

@@ -37,7 +37,7 @@ impl Spacing {
         Self { dx: spacing, dy: spacing }
     }
 
-    #[doc(hidden)]
+    /// Returns whether both distances are positive and finite.
     pub fn is_usable(self) -> bool {
         [self.dx, self.dy].iter().all(|d| d.is_finite() && *d > 0.0)
     }
