@@ -4,27 +4,20 @@
 //!
 //! `cargo run --release --features formats --example closed -- picture.png`
 
-#[path = "../tests/common/host/mod.rs"]
-mod host;
+mod shared;
 
 use std::error::Error;
 
-use geosweep::ash::vk;
 use geosweep::glam::Vec3;
-use geosweep::glam::camera::rh::{proj, view};
 use geosweep::surface::{Chart, Gluing};
-use geosweep::vulkan::embed::{self, Access, Frame, Points, Reader, SourceInput, SurfaceInfo};
-use geosweep::vulkan::{Method, Schedule};
-use geosweep::{Stop, Wavefront};
+use geosweep::vulkan::embed::{Access, Frame, Points, Reader, SourceInput, SurfaceInfo};
 
 pub(crate) use geosweep::vulkan::embed::PointSource;
-pub(crate) use host::Host;
+pub(crate) use shared::host::Host;
+use shared::{Map, Picture};
 
 const CHART: Chart = Chart { rows: 241, cols: 161 };
-pub(crate) const WIDTH: u32 = 1200;
-pub(crate) const HEIGHT: u32 = 700;
-const PICTURE: vk::Format = vk::Format::R8G8B8A8_UNORM;
-const DEPTH: vk::Format = vk::Format::D16_UNORM;
+const SIZE: [u32; 2] = [1200, 700];
 
 /// One invocation is one point. The last column has the points of the first.
 const MOVE: &str = "
@@ -98,74 +91,46 @@ const DRAW: &str = "
     }";
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let path = std::env::args().nth(1).unwrap_or_else(|| "closed.png".into());
     // The source is beside the seam.
     let pixels = draw(&mut Host::without_validation(), 0.8, PointSource::at(95.0, 12.0));
-    let file = std::io::BufWriter::new(std::fs::File::create(&path)?);
-    let mut encoder = png::Encoder::new(file, WIDTH, HEIGHT);
-    encoder.set_color(png::ColorType::Rgba);
-    encoder.set_depth(png::BitDepth::Eight);
-    let mut writer = encoder.write_header()?;
-    writer.write_image_data(&pixels)?;
-    writer.finish()?;
-    println!("wrote {path}");
-    Ok(())
+    shared::write_png("closed.png", SIZE, &pixels)
 }
 
-/// Draws the tube at a time of its motion. Returns the bytes of an RGBA picture.
-pub(crate) fn draw(host: &mut Host, time: f32, source: PointSource) -> Vec<u8> {
-    let device = host.device.clone();
+/// Draws the tube at a time of its motion. Returns pixels, row by row.
+pub(crate) fn draw(host: &mut Host, time: f32, source: PointSource) -> Vec<[u8; 3]> {
     let points = host.buffer(16 * CHART.points() as u64, false);
     let time = host.buffer_of(&[time]);
-    // In clip coordinates of WGSL the y axis points upwards, as in DirectX.
-    let transform = proj::directx::perspective(0.6, WIDTH as f32 / HEIGHT as f32, 100.0, 900.0)
-        * view::look_at_mat4(Vec3::new(60.0, -300.0, 120.0), Vec3::ZERO, Vec3::Z);
-    let mut seen = transform.to_cols_array().to_vec();
+    let eye = Vec3::new(60.0, -300.0, 120.0);
+    let mut seen = shared::camera([eye, Vec3::ZERO], [0.6, 100.0, 900.0], SIZE);
     seen.extend([-0.3, -0.7, 0.6, 0.0]);
     let seen = host.buffer_of(&seen);
 
     // Once: the solver, the glued surface, a plan over its seam, and the host's own passes.
-    let passes = [(Schedule::Raster, Wavefront::Curved)];
-    let solver = embed::Solver::new(&host.instance, host.physical_device, &device, &passes);
-    let mut solver = solver.expect("the device meets the requirements");
     let (inputs, gluing) = ([Points::positions(points.handle, 16)], Gluing::columns());
-    let info = SurfaceInfo::new(CHART).with_points(&inputs).with_gluing(&gluing);
-    let surface = solver.surface(&device, host.allocator(), &info);
-    let mut surface = surface.expect("there is memory");
-    let method = Method::new(Wavefront::Curved, Stop::within(1e-4).or_after(100));
-    let plan = solver.plan(CHART, method, 12).expect("the passes are there").over_seams();
-    host.run(|commands| solver.record(&device, commands, &surface).prepare());
-    let result = surface.result(0, Reader::FRAGMENT.layout).expect("there is a slot");
+    let map = Map::new(host, &SurfaceInfo::new(CHART).with_points(&inputs).with_gluing(&gluing));
+    let result = map.surface.result(0, Reader::FRAGMENT.layout).expect("there is a slot");
     let moving = host.pass(MOVE, &[time.handle, points.handle], None);
-    let size = vk::Extent2D { width: WIDTH, height: HEIGHT };
-    let canvas = host.canvas(size, PICTURE, DEPTH);
-    let drawing = host.draw_pass(DRAW, &[seen.handle, points.handle], result.view, &canvas);
-    let picture = host.buffer(4 * u64::from(WIDTH) * u64::from(HEIGHT), true);
+    let draw = (DRAW, &[seen.handle, points.handle][..], result.view);
+    let picture = Picture::new(host, SIZE, 1, draw);
 
     // Every frame.
     host.run(|commands| {
-        host.dispatch(commands, &moving, CHART.points().div_ceil(64) as u32);
+        host.dispatch(commands, &moving, shared::groups(CHART.points()));
         let places = [source];
-        let frame = Frame::new(&plan, SourceInput::Inline(&places), Reader::FRAGMENT)
+        let frame = Frame::new(&map.plan, SourceInput::Inline(&places), Reader::FRAGMENT)
             .with_before(Access::COMPUTE_WRITE)
             .with_points(0)
             .with_unreached(-1.0);
-        let recording = solver.record(&device, commands, &surface);
-        recording.frame(&frame).expect("the frame is right");
+        map.record(host, commands).frame(&frame).expect("the frame is right");
         host.barrier(commands, Access::COMPUTE_WRITE, Access::VERTEX_READ);
-        let cells = (CHART.rows - 1) * (CHART.cols - 1);
-        host.draw(commands, &drawing, &canvas, 6 * cells as u32, [0.93, 0.92, 0.90, 1.0]);
-        host.copy_canvas(commands, &canvas, &picture);
+        picture.record(host, commands, CHART);
     });
-    let outcome = surface.outcome(0).expect("there is a slot");
-    assert!(outcome.converged, "{outcome:?}");
+    map.check();
 
-    let pixels = picture.bytes().to_vec();
-    surface.destroy(&device, host.allocator());
-    solver.destroy(&device);
+    let pixels = picture.pixels();
+    map.destroy(host);
     host.destroy_pass(moving);
-    host.destroy_pass(drawing);
-    host.free_canvas(canvas);
-    [points, time, seen, picture].into_iter().for_each(|buffer| host.free(buffer));
+    picture.free(host);
+    [points, time, seen].into_iter().for_each(|buffer| host.free(buffer));
     pixels
 }

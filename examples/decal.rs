@@ -5,29 +5,23 @@
 //!
 //! `cargo run --release --features formats --example decal -- decal.png`
 
-#[path = "../tests/common/host/mod.rs"]
-mod host;
+mod shared;
 
 use std::error::Error;
 
-use geosweep::ash::vk;
 use geosweep::glam::Vec3;
-use geosweep::glam::camera::rh::{proj, view};
 use geosweep::surface::Chart;
 use geosweep::vulkan::embed::{
-    self, Access, Frame, LogMapFrame, MapLimit, PointSource, Points, Reader, SourceInput,
-    SurfaceInfo,
+    Access, Frame, LogMapFrame, MapLimit, PointSource, Points, Reader, SourceInput, SurfaceInfo,
 };
-use geosweep::vulkan::{Method, Schedule};
-use geosweep::{Stop, Wavefront};
 
-pub(crate) use host::Host;
+pub(crate) use shared::host::Host;
+use shared::{Map, Picture, groups};
 
 const CHART: Chart = Chart { rows: 120, cols: 160 };
 const FRAMES: u32 = 36;
 /// Size of each half of the picture.
-const WIDTH: u32 = 720;
-const HEIGHT: u32 = 640;
+const SIZE: [u32; 2] = [720, 640];
 /// Number of drawn pixels along each side of a pixel of the picture.
 const FINER: u32 = 2;
 /// Radii of the decal and the brush.
@@ -152,22 +146,16 @@ const DRAW: &str = "
     }";
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let path = std::env::args().nth(1).unwrap_or_else(|| "decal.png".into());
-    let pixels = draw(&mut Host::without_validation(), FRAMES);
-    let file = std::io::BufWriter::new(std::fs::File::create(&path)?);
-    let mut encoder = png::Encoder::new(file, 2 * WIDTH, HEIGHT);
-    encoder.set_color(png::ColorType::Rgb);
-    encoder.set_depth(png::BitDepth::Eight);
-    let mut writer = encoder.write_header()?;
-    writer.write_image_data(pixels.concat().as_flattened())?;
-    writer.finish()?;
-    println!("wrote {path}");
-    Ok(())
+    let [left, right] = draw(&mut Host::without_validation(), FRAMES);
+    let width = SIZE[0] as usize;
+    let rows = left.chunks(width).zip(right.chunks(width));
+    let both: Vec<_> = rows.flat_map(|(left, right)| [left, right].concat()).collect();
+    shared::write_png("decal.png", [2 * SIZE[0], SIZE[1]], &both)
 }
 
 /// Moves the cloth for some frames, and draws the last one with the projected decal and the decal by the log
-/// map. Returns rows of pixels.
-pub(crate) fn draw(host: &mut Host, frames: u32) -> Vec<Vec<[u8; 3]>> {
+/// map. Returns the pixels of both, row by row.
+pub(crate) fn draw(host: &mut Host, frames: u32) -> [Vec<[u8; 3]>; 2] {
     let device = host.device.clone();
     let mut time = host.buffer_of(&[0.0]);
     let points = host.buffer(16 * CHART.points() as u64, false);
@@ -175,56 +163,45 @@ pub(crate) fn draw(host: &mut Host, frames: u32) -> Vec<Vec<[u8; 3]>> {
     let decal = PointSource::at(58.0, 84.0);
 
     // Once: the solver, the surface, the log map, the plan, and the host's own passes.
-    let passes = [(Schedule::Raster, Wavefront::Curved)];
-    let solver = embed::Solver::new(&host.instance, host.physical_device, &device, &passes);
-    let mut solver = solver.expect("the device meets the requirements");
     let inputs = [Points::positions(points.handle, 16)];
-    let info = SurfaceInfo::new(CHART).with_points(&inputs);
-    let mut surface = solver.surface(&device, host.allocator(), &info).expect("there is memory");
-    let mut log_map = solver.log_map(&device, host.allocator(), &surface).expect("there is memory");
-    let method = Method::new(Wavefront::Curved, Stop::within(1e-4).or_after(100));
-    let plan = solver.plan(CHART, method, 12).expect("the passes are there");
-    host.run(|commands| solver.record(&device, commands, &surface).prepare());
+    let map = Map::new(host, &SurfaceInfo::new(CHART).with_points(&inputs));
+    let log_map = map.solver.log_map(&device, host.allocator(), &map.surface);
+    let mut log_map = log_map.expect("there is memory");
     let coordinates = log_map.image(Reader::FRAGMENT.layout);
     let moving = host.pass(MOVE, &[time.handle, points.handle], None);
     let stroking = host.pass(&format!("{SAMPLE}{STROKE}"), &[paint.handle], Some(coordinates.view));
-    let size = vk::Extent2D { width: FINER * WIDTH, height: FINER * HEIGHT };
-    let formats = (vk::Format::R8G8B8A8_UNORM, vk::Format::D16_UNORM);
     let halves = [0.0, 1.0].map(|by_log_map| {
         let seen = host.buffer_of(&view_of(decal, by_log_map));
-        let canvas = host.canvas(size, formats.0, formats.1);
         let buffers = [seen.handle, points.handle, paint.handle];
-        let text = format!("{SAMPLE}{DRAW}");
-        let drawing = host.draw_pass(&text, &buffers, coordinates.view, &canvas);
-        let picture = host.buffer(4 * u64::from(size.width) * u64::from(size.height), true);
-        (seen, canvas, drawing, picture)
+        let draw = (&format!("{SAMPLE}{DRAW}")[..], &buffers[..], coordinates.view);
+        (Picture::new(host, SIZE, FINER, draw), seen)
     });
 
     for frame in 0..frames {
         time.floats_mut()[0] = 0.09 * frame as f32;
         host.run(|commands| {
-            host.dispatch(commands, &moving, CHART.points().div_ceil(64) as u32);
-            let recording = solver.record(&device, commands, &surface);
+            host.dispatch(commands, &moving, groups(CHART.points()));
+            let recording = map.record(host, commands);
             // The log map of the brush, for the pass that paints.
             let along = frame as f32 / FRAMES as f32;
             let brush = [PointSource::at(99.0 - 12.0 * (5.0 * along).sin(), 18.0 + 122.0 * along)];
             let sources = SourceInput::Inline(&brush);
-            let map = Frame::new(&plan, sources, Reader::COMPUTE)
+            let frame_map = Frame::new(&map.plan, sources, Reader::COMPUTE)
                 .with_before(Access::COMPUTE_WRITE)
                 .with_points(0)
                 .with_limit(MapLimit::at(BRUSH + AROUND));
-            recording.frame(&map).expect("the frame is right");
+            recording.frame(&frame_map).expect("the frame is right");
             let ways = LogMapFrame::new(sources, Reader::COMPUTE)
                 .with_radius(BRUSH)
                 .with_unreached(NOWHERE);
             recording.log_map(&log_map, &ways).expect("the frame is right");
-            host.dispatch(commands, &stroking, (16 * CHART.points()).div_ceil(64) as u32);
+            host.dispatch(commands, &stroking, groups(16 * CHART.points()));
             // The log map of the decal, for the fragment shader. The cloth has not moved since.
             let decals = [decal];
             let sources = SourceInput::Inline(&decals);
-            let map = map.with_points(None).with_sources(sources);
+            let frame_map = frame_map.with_points(None).with_sources(sources);
             recording
-                .frame(&map.with_limit(MapLimit::at(DECAL + AROUND)))
+                .frame(&frame_map.with_limit(MapLimit::at(DECAL + AROUND)))
                 .expect("the frame is right");
             let reader = Reader::sampled(Access::FRAGMENT_READ.and(Access::COMPUTE_READ));
             let ways = ways.with_sources(sources).with_radius(DECAL).with_reader(reader);
@@ -232,30 +209,18 @@ pub(crate) fn draw(host: &mut Host, frames: u32) -> Vec<Vec<[u8; 3]>> {
             if frame + 1 == frames {
                 let read = Access::VERTEX_READ.and(Access::FRAGMENT_READ);
                 host.barrier(commands, Access::COMPUTE_WRITE, read);
-                let cells = (CHART.rows - 1) * (CHART.cols - 1);
-                for (_, canvas, drawing, picture) in &halves {
-                    let background = [0.93, 0.92, 0.90, 1.0];
-                    host.draw(commands, drawing, canvas, 6 * cells as u32, background);
-                    host.copy_canvas(commands, canvas, picture);
-                }
+                halves.iter().for_each(|(picture, _)| picture.record(host, commands, CHART));
             }
         });
-        let outcome = surface.outcome(0).expect("there is a slot");
-        assert!(outcome.converged, "{outcome:?}");
+        map.check();
     }
 
-    let rows = (0..HEIGHT as usize).map(|row| {
-        let half = |(.., picture): &(_, _, _, host::HostBuffer)| averaged(picture.bytes(), row);
-        halves.iter().flat_map(half).collect()
-    });
-    let pixels = rows.collect();
+    let pixels = halves.each_ref().map(|(picture, _)| picture.pixels());
     log_map.destroy(&device, host.allocator());
-    surface.destroy(&device, host.allocator());
-    solver.destroy(&device);
-    for (seen, canvas, drawing, picture) in halves {
-        host.destroy_pass(drawing);
-        host.free_canvas(canvas);
-        [seen, picture].into_iter().for_each(|buffer| host.free(buffer));
+    map.destroy(host);
+    for (picture, seen) in halves {
+        picture.free(host);
+        host.free(seen);
     }
     [moving, stroking].into_iter().for_each(|pass| host.destroy_pass(pass));
     [time, points, paint].into_iter().for_each(|buffer| host.free(buffer));
@@ -265,22 +230,8 @@ pub(crate) fn draw(host: &mut Host, frames: u32) -> Vec<Vec<[u8; 3]>> {
 /// Returns what the drawing passes see: the camera, the light, the decal's place, and how the decal is drawn.
 fn view_of(decal: PointSource, by_log_map: f32) -> Vec<f32> {
     let eye = Vec3::new(-58.0, 112.0, 150.0);
-    // In clip coordinates of WGSL the y axis points upwards, as in DirectX.
-    let transform = proj::directx::perspective(0.62, WIDTH as f32 / HEIGHT as f32, 20.0, 500.0)
-        * view::look_at_mat4(eye, Vec3::new(0.0, 2.0, 0.0), Vec3::Z);
-    let mut seen = transform.to_cols_array().to_vec();
+    let mut seen = shared::camera([eye, Vec3::new(0.0, 2.0, 0.0)], [0.62, 20.0, 500.0], SIZE);
     seen.extend([eye.x, eye.y, eye.z, 0.0, -0.55, 0.25, 0.6, 0.0]);
     seen.extend([decal.col, decal.row, by_log_map, 0.0]);
     seen
-}
-
-/// Returns a row of pixels, each the mean of a square of fine pixels.
-fn averaged(fine: &[u8], row: usize) -> Vec<[u8; 3]> {
-    let (finer, width) = (FINER as usize, WIDTH as usize);
-    let channel = |col: usize, channel: usize| {
-        let at = |i: usize| (row * finer + i / finer) * finer * width + col * finer + i % finer;
-        let sum: usize = (0..finer * finer).map(|i| usize::from(fine[4 * at(i) + channel])).sum();
-        (sum / (finer * finer)) as u8
-    };
-    (0..width).map(|col| [0, 1, 2].map(|index| channel(col, index))).collect()
 }

@@ -8,20 +8,18 @@
 //! With `--links` agents walk to one of eight neighbours instead, as agents on grids usually do. Their trails
 //! keep to eight directions, and are longer.
 
-#[path = "../tests/common/host/mod.rs"]
-mod host;
+mod shared;
 
 use std::error::Error;
 
+use geosweep::Spacing;
 use geosweep::surface::Chart;
 use geosweep::vulkan::embed::{
-    self, Access, DirectionFrame, Frame, PointKind, PointMemory, PointSource, Points, Reader,
-    SourceInput, SurfaceInfo,
+    Access, DirectionFrame, Frame, PointKind, PointSource, Points, Reader, SourceInput, SurfaceInfo,
 };
-use geosweep::vulkan::{Method, Schedule};
-use geosweep::{Spacing, Stop, Wavefront};
 
-pub(crate) use host::Host;
+pub(crate) use shared::host::Host;
+use shared::{Map, groups};
 
 const SIDE: usize = 192;
 const AGENTS: u32 = 10_000;
@@ -123,8 +121,8 @@ const PAINT: &str = "
 
 /// The result of a march.
 pub(crate) struct March {
-    /// Rows of pixels.
-    pub pixels: Vec<u8>,
+    /// Pixels, row by row.
+    pub pixels: Vec<[u8; 3]>,
     /// Number of agents that have arrived.
     pub arrived: u32,
     /// Mean length of all agents' ways over the terrain, in cells.
@@ -132,22 +130,10 @@ pub(crate) struct March {
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let (options, paths): (Vec<String>, Vec<_>) =
-        std::env::args().skip(1).partition(|argument| argument.starts_with('-'));
-    let links = options.iter().any(|option| option == "--links");
-    let path = paths.first().map_or("horde.png", String::as_str);
+    let links = std::env::args().any(|argument| argument == "--links");
     let March { pixels, arrived, walked } = march(&mut Host::without_validation(), links, FRAMES);
-    let file = std::io::BufWriter::new(std::fs::File::create(path)?);
-    let mut encoder = png::Encoder::new(file, WIDTH as u32, WIDTH as u32);
-    encoder.set_color(png::ColorType::Rgba);
-    encoder.set_depth(png::BitDepth::Eight);
-    let mut writer = encoder.write_header()?;
-    writer.write_image_data(&pixels)?;
-    writer.finish()?;
-    println!(
-        "{arrived} of {AGENTS} agents have arrived, on ways of {walked:.1} cells; wrote {path}"
-    );
-    Ok(())
+    println!("{arrived} of {AGENTS} agents have arrived, on ways of {walked:.1} cells");
+    shared::write_png("horde.png", [WIDTH as u32; 2], &pixels)
 }
 
 /// Lets the agents walk for some frames, along directions or along links from point to point.
@@ -160,26 +146,19 @@ pub(crate) fn march(host: &mut Host, links: bool, frames: u32) -> March {
     let trails = host.buffer_of(&vec![0.0; WIDTH * WIDTH + 2]);
 
     // Once: the solver, the surface, the directions, and the host's own passes.
-    let passes = [(Schedule::Raster, Wavefront::Curved)];
-    let solver = embed::Solver::new(&host.instance, host.physical_device, &device, &passes);
-    let mut solver = solver.expect("the device meets the requirements");
-    let memory = PointMemory::Buffer { buffer: heights.handle, offset: 0, stride: 4 };
     let kind = PointKind::Heights(Spacing::square(1.0));
-    let inputs = [Points { memory, kind, slowness: None }];
-    let info = SurfaceInfo::new(chart).with_points(&inputs);
-    let surface = solver.surface(&device, host.allocator(), &info);
-    let mut surface = surface.expect("there is memory");
-    let directions = solver.directions(&device, host.allocator(), &surface);
+    let inputs = [Points { kind, ..Points::positions(heights.handle, 4) }];
+    let map = Map::new(host, &SurfaceInfo::new(chart).with_points(&inputs));
+    let directions = map.solver.directions(&device, host.allocator(), &map.surface);
     let mut directions = directions.expect("there is memory");
-    let method = Method::new(Wavefront::Curved, Stop::within(1e-4).or_after(100));
-    let plan = solver.plan(chart, method, 12).expect("the passes are there");
-    host.run(|commands| solver.record(&device, commands, &surface).prepare());
     let pass = |text: &str, buffers: &[_], texture| {
         host.pass(&format!("{SHARED}{text}"), buffers, texture)
     };
     let terrain = pass(TERRAIN, &[time.handle, heights.handle], None);
     let (heading, field) = match links {
-        true => (ALONG_LINKS, surface.result(0, Reader::COMPUTE.layout).expect("there is a slot")),
+        true => {
+            (ALONG_LINKS, map.surface.result(0, Reader::COMPUTE.layout).expect("there is a slot"))
+        }
         false => (ALONG_DIRECTIONS, directions.image(Reader::COMPUTE.layout)),
     };
     let buffers = [time.handle, agents.handle, trails.handle];
@@ -189,23 +168,22 @@ pub(crate) fn march(host: &mut Host, links: bool, frames: u32) -> March {
     for frame in 0..frames {
         time.floats_mut()[0] = frame as f32;
         host.run(|commands| {
-            host.dispatch(commands, &terrain, chart.points().div_ceil(64) as u32);
+            host.dispatch(commands, &terrain, groups(chart.points()));
             let tower = [PointSource::at(TOWER[0], TOWER[1])];
             let sources = SourceInput::Inline(&tower);
-            let recording = solver.record(&device, commands, &surface);
-            let map = Frame::new(&plan, sources, Reader::COMPUTE)
+            let recording = map.record(host, commands);
+            let frame = Frame::new(&map.plan, sources, Reader::COMPUTE)
                 .with_before(Access::COMPUTE_WRITE)
                 .with_points(0);
-            recording.frame(&map).expect("the frame is right");
+            recording.frame(&frame).expect("the frame is right");
             let ways = DirectionFrame::new(sources, Reader::COMPUTE);
             recording.directions(&directions, &ways).expect("the frame is right");
-            host.dispatch(commands, &walk, AGENTS.div_ceil(64));
+            host.dispatch(commands, &walk, groups(AGENTS as usize));
         });
-        let outcome = surface.outcome(0).expect("there is a slot");
-        assert!(outcome.converged, "{outcome:?}");
+        map.check();
     }
     host.run(|commands| {
-        host.dispatch(commands, &paint, (WIDTH * WIDTH).div_ceil(64) as u32);
+        host.dispatch(commands, &paint, groups(WIDTH * WIDTH));
         host.barrier(commands, Access::COMPUTE_WRITE, Access::HOST_READ);
     });
 
@@ -215,13 +193,12 @@ pub(crate) fn march(host: &mut Host, links: bool, frames: u32) -> March {
         u32::from_ne_bytes([bytes[at], bytes[at + 1], bytes[at + 2], bytes[at + 3]])
     };
     let march = March {
-        pixels: bytes[..4 * WIDTH * WIDTH].to_vec(),
+        pixels: bytes[..4 * WIDTH * WIDTH].chunks(4).map(|p| [p[0], p[1], p[2]]).collect(),
         arrived: sum(0),
         walked: f64::from(sum(1)) / 16.0 / f64::from(AGENTS),
     };
     directions.destroy(&device, host.allocator());
-    surface.destroy(&device, host.allocator());
-    solver.destroy(&device);
+    map.destroy(host);
     [terrain, walk, paint].into_iter().for_each(|pass| host.destroy_pass(pass));
     [time, heights, agents, trails].into_iter().for_each(|buffer| host.free(buffer));
     march

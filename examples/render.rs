@@ -4,28 +4,20 @@
 //!
 //! `cargo run --release --features formats --example render -- picture.png`
 
-#[path = "../tests/common/host/mod.rs"]
-mod host;
+mod shared;
 
 use std::error::Error;
 
-use geosweep::Stop;
-use geosweep::Wavefront;
-use geosweep::ash::vk;
 use geosweep::glam::Vec3;
-use geosweep::glam::camera::rh::{proj, view};
 use geosweep::surface::Chart;
-use geosweep::vulkan::embed::{self, Access, Frame, Points, Reader, SourceInput, SurfaceInfo};
-use geosweep::vulkan::{Method, Schedule};
+use geosweep::vulkan::embed::{Access, Frame, Points, Reader, SourceInput, SurfaceInfo};
 
 pub(crate) use geosweep::vulkan::embed::PointSource;
-pub(crate) use host::Host;
+pub(crate) use shared::host::Host;
+use shared::{Map, Picture};
 
 const CHART: Chart = Chart { rows: 260, cols: 360 };
-const WIDTH: u32 = 1600;
-const HEIGHT: u32 = 900;
-const PICTURE: vk::Format = vk::Format::R8G8B8A8_UNORM;
-const DEPTH: vk::Format = vk::Format::D16_UNORM;
+const SIZE: [u32; 2] = [1600, 900];
 
 /// One invocation is one point.
 const MOVE: &str = "
@@ -126,96 +118,46 @@ const DRAW: &str = "
     }";
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let path = std::env::args().nth(1).unwrap_or_else(|| "render.png".into());
     let pixels = render(&mut Host::without_validation(), 2, 1.1, PointSource::at(150.0, 210.0));
-    let mut encoder =
-        png::Encoder::new(std::io::BufWriter::new(std::fs::File::create(&path)?), WIDTH, HEIGHT);
-    encoder.set_color(png::ColorType::Rgb);
-    encoder.set_depth(png::BitDepth::Eight);
-    let mut writer = encoder.write_header()?;
-    writer.write_image_data(pixels.as_flattened().as_flattened())?;
-    writer.finish()?;
-    println!("wrote {path}");
-    Ok(())
+    shared::write_png("render.png", SIZE, &pixels)
 }
 
-/// Draws the surface in a phase of its motion. Renders `finer` times as many pixels in each direction and averages
-/// them. Returns rows of pixels.
-pub(crate) fn render(
-    host: &mut Host,
-    finer: u32,
-    phase: f32,
-    source: PointSource,
-) -> Vec<[[u8; 3]; WIDTH as usize]> {
-    let device = host.device.clone();
+/// Draws the surface in a phase of its motion, with `finer` times as many pixels in each direction. Returns their means,
+/// row by row.
+pub(crate) fn render(host: &mut Host, finer: u32, phase: f32, source: PointSource) -> Vec<[u8; 3]> {
     let points = host.buffer(16 * CHART.points() as u64, false);
     let phase = host.buffer_of(&[phase]);
     let eye = Vec3::new(-75.0, 320.0, 245.0);
-    let aspect = WIDTH as f32 / HEIGHT as f32;
-    // In clip coordinates of WGSL the y axis points upwards, as in DirectX.
-    let transform = proj::directx::perspective(0.66, aspect, 100.0, 900.0)
-        * view::look_at_mat4(eye, Vec3::new(-2.0, 16.0, -10.0), Vec3::Z);
-    let mut seen = transform.to_cols_array().to_vec();
+    let mut seen = shared::camera([eye, Vec3::new(-2.0, 16.0, -10.0)], [0.66, 100.0, 900.0], SIZE);
     seen.extend([eye.x, eye.y, eye.z, 0.0, -0.45, 0.05, 0.6, 0.0, 4.0, 285.0, 0.0, 0.0]);
     let seen = host.buffer_of(&seen);
 
     // Once: the solver, the surface, the plan, and the host's own passes.
-    let passes = [(Schedule::Raster, Wavefront::Curved)];
-    let solver = embed::Solver::new(&host.instance, host.physical_device, &device, &passes);
-    let mut solver = solver.expect("the device meets the requirements");
     let inputs = [Points::positions(points.handle, 16)];
-    let info = SurfaceInfo::new(CHART).with_points(&inputs);
-    let surface = solver.surface(&device, host.allocator(), &info);
-    let mut surface = surface.expect("there is memory");
-    let stop = Stop::within(1e-4).or_after(100);
-    let method = Method::new(Wavefront::Curved, stop);
-    let plan = solver.plan(CHART, method, 8).expect("the passes are there");
-    host.run(|commands| solver.record(&device, commands, &surface).prepare());
-    let result = surface.result(0, Reader::FRAGMENT.layout).expect("there is a slot");
+    let map = Map::new(host, &SurfaceInfo::new(CHART).with_points(&inputs));
+    let result = map.surface.result(0, Reader::FRAGMENT.layout).expect("there is a slot");
     let moving = host.pass(MOVE, &[phase.handle, points.handle], None);
-    let buffers = [seen.handle, points.handle];
-    let size = vk::Extent2D { width: finer * WIDTH, height: finer * HEIGHT };
-    let canvas = host.canvas(size, PICTURE, DEPTH);
-    let drawing = host.draw_pass(DRAW, &buffers, result.view, &canvas);
-    let picture = host.buffer(4 * u64::from(size.width) * u64::from(size.height), true);
+    let draw = (DRAW, &[seen.handle, points.handle][..], result.view);
+    let picture = Picture::new(host, SIZE, finer, draw);
 
     // Every frame.
     host.run(|commands| {
-        host.dispatch(commands, &moving, CHART.points().div_ceil(64) as u32);
+        host.dispatch(commands, &moving, shared::groups(CHART.points()));
         let places = [source];
-        let frame = Frame::new(&plan, SourceInput::Inline(&places), Reader::FRAGMENT)
+        let frame = Frame::new(&map.plan, SourceInput::Inline(&places), Reader::FRAGMENT)
             .with_before(Access::COMPUTE_WRITE)
             .with_points(0)
             .with_unreached(-1.0);
-        let recording = solver.record(&device, commands, &surface);
-        recording.frame(&frame).expect("the frame is right");
+        map.record(host, commands).frame(&frame).expect("the frame is right");
         host.barrier(commands, Access::COMPUTE_WRITE, Access::VERTEX_READ);
-        let cells = (CHART.rows - 1) * (CHART.cols - 1);
-        host.draw(commands, &drawing, &canvas, 6 * cells as u32, [0.93, 0.92, 0.90, 1.0]);
-        host.copy_canvas(commands, &canvas, &picture);
+        picture.record(host, commands, CHART);
     });
-    let outcome = surface.outcome(0).expect("there is a slot");
-    assert!(outcome.converged, "{outcome:?}");
+    map.check();
 
-    let pixels = averaged(picture.bytes(), finer as usize);
-    surface.destroy(&device, host.allocator());
-    solver.destroy(&device);
+    let pixels = picture.pixels();
+    map.destroy(host);
     host.destroy_pass(moving);
-    host.destroy_pass(drawing);
-    host.free_canvas(canvas);
-    [points, phase, seen, picture].into_iter().for_each(|buffer| host.free(buffer));
+    picture.free(host);
+    [points, phase, seen].into_iter().for_each(|buffer| host.free(buffer));
     pixels
-}
-
-/// Returns the mean of each square of fine pixels.
-fn averaged(fine: &[u8], finer: usize) -> Vec<[[u8; 3]; WIDTH as usize]> {
-    let stride = finer * WIDTH as usize;
-    let channel = |row: usize, col: usize, channel: usize| {
-        let at = |i: usize| (row * finer + i / finer) * stride + col * finer + i % finer;
-        let sum: usize = (0..finer * finer).map(|i| usize::from(fine[4 * at(i) + channel])).sum();
-        (sum / (finer * finer)) as u8
-    };
-    (0..HEIGHT as usize)
-        .map(|row| std::array::from_fn(|col| [0, 1, 2].map(|index| channel(row, col, index))))
-        .collect()
 }

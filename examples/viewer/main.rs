@@ -22,12 +22,17 @@ mod after_map;
 mod agents;
 mod camera;
 mod closed;
+#[allow(dead_code, reason = "the tests use the rest")]
+#[path = "../shared/context.rs"]
+mod context;
 mod decal;
 mod draw;
 mod frames;
 mod gpu;
 mod lines;
 mod map;
+#[allow(dead_code, reason = "the tests use the rest")]
+#[path = "../shared/memory.rs"]
 mod memory;
 mod mesh;
 mod options;
@@ -41,7 +46,6 @@ mod stage;
 mod surfaces;
 mod swapchain;
 mod timing;
-mod validation;
 mod view;
 mod viewer;
 mod window;

@@ -8,7 +8,7 @@ use geosweep::vulkan::embed::Access;
 
 use crate::Result;
 use crate::gpu::Gpu;
-use crate::memory::{Buffer, Image, ImageUse, whole};
+use crate::memory::{Buffer, Image, ImageUse, whole, whole_copy};
 use crate::shaders::{Draw, Layout};
 use crate::stage::{Stage, barrier};
 
@@ -135,7 +135,7 @@ impl Pick {
     /// Records the first place of the source.
     pub fn set(&self, gpu: &Gpu, commands: vk::CommandBuffer, source: [f32; 4]) {
         let range = whole(vk::ImageAspectFlags::COLOR);
-        let (image, filled) = (self.color.handle, vk::ImageLayout::TRANSFER_DST_OPTIMAL);
+        let (image, filled) = (self.color.image, vk::ImageLayout::TRANSFER_DST_OPTIMAL);
         let barrier = |from, to, before, after| {
             let barrier = vk::ImageMemoryBarrier::default()
                 .image(image)
@@ -160,12 +160,8 @@ impl Pick {
     }
 
     fn copy(&self, gpu: &Gpu, commands: vk::CommandBuffer) {
-        let layers = vk::ImageSubresourceLayers::default()
-            .aspect_mask(vk::ImageAspectFlags::COLOR)
-            .layer_count(1);
-        let copy =
-            vk::BufferImageCopy::default().image_subresource(layers).image_extent(SIZE.into());
-        let (from, to) = (self.color.handle, self.source.handle);
+        let copy = whole_copy(SIZE);
+        let (from, to) = (self.color.image, self.source.handle);
         // The previous frame reads the source in shaders, and copies it if a path starts there.
         let readers = vk::PipelineStageFlags::COMPUTE_SHADER
             | vk::PipelineStageFlags::VERTEX_SHADER

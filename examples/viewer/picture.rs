@@ -6,7 +6,7 @@ use geosweep::io::OutputFile;
 
 use crate::Result;
 use crate::gpu::Gpu;
-use crate::memory::{Buffer, whole};
+use crate::memory::{Buffer, whole, whole_copy};
 use crate::swapchain::Swapchain;
 
 pub struct Picture {
@@ -66,11 +66,7 @@ impl Picture {
             }
         };
         turn(shown, copied, colors, transfer);
-        let layers = vk::ImageSubresourceLayers::default()
-            .aspect_mask(vk::ImageAspectFlags::COLOR)
-            .layer_count(1);
-        let copy =
-            vk::BufferImageCopy::default().image_subresource(layers).image_extent(size.into());
+        let copy = whole_copy(size);
         // SAFETY: as above.
         unsafe {
             gpu.device.cmd_copy_image_to_buffer(commands, image, copied, pixels.handle, &[copy]);

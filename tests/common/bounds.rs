@@ -85,14 +85,10 @@ impl Case {
             let place =
                 [row + if inside { down } else { 0.0 }, col + if inside { right } else { 0.0 }];
             let start = if later { between(0.0, 2.0) } else { 0.0 };
-            let with = sources.clone().and_point(place[0], place[1], start);
             // Some places inside cells are not on the surface.
-            let with = if with.seeds(&surface).is_ok() {
-                with
-            } else {
-                sources.and_point(row, col, start)
-            };
-            sources = with;
+            let wanted = sources.clone().and_point(place[0], place[1], start);
+            let beside = || sources.clone().and_point(row, col, start);
+            sources = on(&surface, wanted).unwrap_or_else(beside);
         }
         if curved {
             let ends = [(); 2].map(|()| {
@@ -100,10 +96,7 @@ impl Case {
                 (index / cols, index % cols)
             });
             let line = ends.map(|(row, col)| [row as f64, col as f64]);
-            let with = sources.clone().and_curve(line, 0.0);
-            if with.seeds(&surface).is_ok() {
-                sources = with;
-            }
+            sources = on(&surface, sources.clone().and_curve(line, 0.0)).unwrap_or(sources);
         }
         let name = format!(
             "case {number}: {rows} x {cols}, relief {relief:.3}, smoothed {rounds} times, sheared by {shear:.2}, \
@@ -144,8 +137,7 @@ impl Case {
                 let row = (middle[0] + between(-2.0, 2.0)).round().clamp(0.0, last_row);
                 let col = (middle[1] + between(-2.0, 2.0)).round().clamp(0.0, last_col);
                 let start = if is_late { between(0.0, 1.0) } else { 0.0 };
-                let with = sources.clone().and_point(row, col, start);
-                if with.seeds(&surface).is_ok() {
+                if let Some(with) = on(&surface, sources.clone().and_point(row, col, start)) {
                     sources = with;
                     count += 1;
                 }
@@ -153,10 +145,8 @@ impl Case {
         }
         if between(0.0, 1.0) < 0.3 {
             let row = between(0.0, last_row);
-            let with = sources.clone().and_curve([[row, 0.0], [row, last_col]], 0.0);
-            if with.seeds(&surface).is_ok() {
-                sources = with;
-            }
+            let line = [[row, 0.0], [row, last_col]];
+            sources = on(&surface, sources.clone().and_curve(line, 0.0)).unwrap_or(sources);
         }
         let name = format!(
             "clusters {number}: {} x {}, {count} sources in {clusters} clusters",
@@ -252,6 +242,11 @@ impl Case {
         let largest = finite.fold(f64::MIN_POSITIVE, f64::max);
         Bounds { start, shortest, straight, longest_edge, largest }
     }
+}
+
+/// Returns the sources if they are on a surface.
+pub(super) fn on(surface: &Surface, sources: Sources) -> Option<Sources> {
+    sources.seeds(surface).is_ok().then_some(sources)
 }
 
 /// Smooths heights: half of a point's own height and half of its neighbours' mean.

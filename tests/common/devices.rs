@@ -7,7 +7,7 @@ use std::ops::{Deref, DerefMut};
 use std::sync::Mutex;
 
 use geosweep::DeviceChoice;
-use geosweep::vulkan::HeadlessSolver;
+use geosweep::vulkan::{HeadlessSolver, TileLanes, Tuning};
 
 /// Returns the device that `GEOSWEEP_TEST_DEVICE` names, or any.
 pub fn device_choice() -> DeviceChoice {
@@ -15,19 +15,52 @@ pub fn device_choice() -> DeviceChoice {
 }
 
 static SOLVERS: Pool<HeadlessSolver> = Pool::new();
+static GPU_LIKE_SOLVERS: Pool<HeadlessSolver> = Pool::new();
 
 /// Lends a headless solver on [`device_choice`], under the validation layers. A call that causes a validation
 /// message fails. A missing device is a failure too, not a reason to skip the test.
 pub fn vulkan_solver() -> Lent<HeadlessSolver> {
-    let open = || {
-        HeadlessSolver::with_validation(&device_choice()).expect(
-            "the tests need a Vulkan device and the validation layers; ci/setup installs them",
-        )
-    };
-    SOLVERS.lend(open, |solver| {
-        let said = solver.validation_log().expect("validation is on").messages();
-        assert!(said.is_empty(), "{said:?}");
-    })
+    SOLVERS.lend(open, assert_nothing_said)
+}
+
+/// Lends a solver like [`vulkan_solver`] whose passes have the forms of a GPU: scans go in pairs, tiles have a lane for
+/// each point and pass fronts on by shuffles, and shaders access memory of the device alone.
+pub fn gpu_like_solver() -> Lent<HeadlessSolver> {
+    GPU_LIKE_SOLVERS.lend(|| tuned(gpu_like), assert_nothing_said)
+}
+
+/// Returns the forms in which a GPU runs passes, in sizes that suit lavapipe: a line of a tile has as many points as a
+/// subgroup has lanes.
+fn gpu_like(tuning: Tuning) -> Tuning {
+    Tuning {
+        scan_pairs: true,
+        tile_lanes: TileLanes::Shuffled,
+        tile: 8,
+        small_grid: 0,
+        tile_edges: true,
+        inner: 1,
+        staged: true,
+        ..tuning
+    }
+}
+
+/// Opens a device under the validation layers.
+fn open() -> HeadlessSolver {
+    HeadlessSolver::with_validation(&device_choice())
+        .expect("the tests need a Vulkan device and the validation layers; ci/setup installs them")
+}
+
+/// Opens a device under the validation layers, with the tuning that `change` returns.
+pub fn tuned(change: impl FnOnce(Tuning) -> Tuning) -> HeadlessSolver {
+    let solver = open();
+    let tuning = change(solver.tuning());
+    solver.with_tuning(tuning).unwrap()
+}
+
+/// Asserts that the validation layers have reported nothing.
+pub fn assert_nothing_said(solver: &HeadlessSolver) {
+    let said = solver.validation_log().expect("validation is on").messages();
+    assert!(said.is_empty(), "{said:?}");
 }
 
 /// Items that are ready for the next test. Their number is the largest number of tests that ran at the same

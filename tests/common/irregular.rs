@@ -5,7 +5,7 @@ use geosweep::glam::DVec3;
 use geosweep::{EdgeRule, Sources, Surface};
 
 use super::Random;
-use super::bounds::Case;
+use super::bounds::{Case, on};
 
 /// Arrangement of the points of a grid.
 #[derive(Clone, Copy, Debug)]
@@ -97,12 +97,10 @@ impl Case {
             let aside =
                 [between(0.0, 1.0), between(0.0, 1.0)].map(|by| if inside { by } else { 0.0 });
             let start = if later { between(0.0, 5.0) } else { 0.0 };
-            let with = sources.clone().and_point(row + aside[0], col + aside[1], start);
             // Some places inside cells are not on the surface.
-            sources = match with.seeds(&surface) {
-                Ok(_) => with,
-                Err(_) => sources.and_point(row, col, start),
-            };
+            let wanted = sources.clone().and_point(row + aside[0], col + aside[1], start);
+            let beside = || sources.clone().and_point(row, col, start);
+            sources = on(&surface, wanted).unwrap_or_else(beside);
         }
         let name = format!(
             "irregular case {number}: {shape:?}, {rows} x {cols}, size {size:.2}, jitter {jitter:.2}, growth \

@@ -22,7 +22,9 @@ use geosweep::{DistanceMap, Engine, Options, Sources, Spacing, Surface, Wavefron
 #[allow(unused_imports, reason = "each binary uses its part")]
 pub use cases::cases;
 #[allow(unused_imports, reason = "each binary uses its part")]
-pub use devices::{Lent, Pool, device_choice, vulkan_solver};
+pub use devices::{
+    Lent, Pool, assert_nothing_said, device_choice, gpu_like_solver, tuned, vulkan_solver,
+};
 
 /// Stops when nothing changes beyond rounding, and never earlier.
 pub const CONVERGED: Stop = Stop::within(1e-6).or_after(10_000);
@@ -120,6 +122,19 @@ pub fn some_point(surface: &Surface) -> (usize, usize) {
         .find(|&index| surface.present()[index])
         .expect("a surface has a point");
     chart.position(index)
+}
+
+/// Returns a source at the first point from the middle on.
+pub fn middle(surface: &Surface) -> Sources {
+    let (row, col) = some_point(surface);
+    Sources::point(row as f64, col as f64)
+}
+
+/// Returns a height field with holes, which is slower beyond a column.
+pub fn slowed(rows: usize, cols: usize, from_col: usize) -> Surface {
+    let slowness = |index: usize| if index % cols < from_col { 1.0 } else { 2.5 };
+    let slowness = (0..rows * cols).map(slowness).collect();
+    rough(rows, cols, 9).with_slowness(slowness).unwrap()
 }
 
 /// Returns the seeds of a source at a grid point.

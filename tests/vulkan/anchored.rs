@@ -1,14 +1,12 @@
 //! Anchored fronts on a Vulkan device, compared with the CPU engine and exact distances, under the validation
 //! layers.
 
-use geosweep::accuracy::Errors;
 use geosweep::pairwise::Pairwise;
 use geosweep::surface::Seed;
-use geosweep::surface::builtin::Builtin;
 use geosweep::vulkan::{Method, Schedule, VulkanError};
 use geosweep::{DeviceChoice, Engine, Options, Sources, Spacing, Surface, Wavefront};
 
-use crate::common::Random;
+use crate::common::closed::flat;
 use crate::common::*;
 
 /// Largest difference relative to the largest distance: the rounding errors along a path from corner to
@@ -77,12 +75,13 @@ fn seeded_plan(number: u64) -> (Surface, Vec<Seed>) {
     (surface, seeds)
 }
 
+/// Maps over plans and rooms are those of the CPU, half of them on a device like a GPU.
 #[test]
 fn every_schedule_leads_to_the_map_of_the_cpu() {
-    let mut solver = vulkan_solver();
+    let mut solvers = [vulkan_solver(), gpu_like_solver()];
     let mut worst = 0.0f64;
-    for number in 0..10 {
-        let (surface, seeds) = seeded_plan(number);
+    for (number, (surface, seeds)) in (0..8).map(seeded_plan).chain((0..6).map(rooms)).enumerate() {
+        let solver = &mut solvers[number / 4 % 2];
         let cpu = on_cpu(&surface, &seeds, Wavefront::Anchored, CONVERGED);
         let mut on_device = solver.upload(&surface).unwrap();
         for schedule in Schedule::ALL {
@@ -121,46 +120,39 @@ fn sources_can_be_added() {
     }
 }
 
-#[test]
-fn the_maze_is_exact() {
-    let mut solver = vulkan_solver();
-    let (rows, cols) = (129, 161);
-    let surface = Builtin::Maze.surface(rows, cols).unwrap();
-    let mut on_device = solver.upload(&surface).unwrap();
-    let exact = Builtin::Maze.exact_distances(rows, cols, [2.0, 3.0]).unwrap();
-    for schedule in Schedule::ALL {
-        let method = anchored(schedule);
-        let map = solver.solve(&mut on_device, &seeds_at(&surface, (2, 3)), method).unwrap();
-        let errors = Errors::of(&map.distances, &exact);
-        println!("{schedule}: {errors:?}, {} iterations", map.iterations);
-        assert!(
-            errors.mean_relative < 1e-6 && errors.max_relative < 5e-6,
-            "{schedule}: {errors:?}"
-        );
-    }
+/// Returns the rows of some sources, solved at once.
+fn rows(surface: &Surface, sources: &[Option<usize>], wavefront: Wavefront) -> Vec<f32> {
+    let solver = vulkan_solver();
+    let on_device = solver.upload(surface).unwrap();
+    let mut pairwise = solver.pairwise(&on_device, wavefront, None).unwrap();
+    let mut rows = vec![0.0; sources.len() * surface.chart().points()];
+    pairwise.solve(&solver, &on_device, sources, CONVERGED, &mut rows).unwrap();
+    rows
 }
 
-/// On surfaces without anchors, fronts are curved.
+/// On surfaces without anchors, fronts are curved. Many maps at once have curved fronts on floor plans too.
 #[test]
-fn other_surfaces_have_curved_fronts() {
-    let mut solver = vulkan_solver();
+fn curved_fronts_take_the_place_of_anchored_ones() {
     let slowness = (0..30 * 40).map(|i| 1.0 + f64::from(i % 3)).collect();
-    let (plan, _) = floor_plan(5, 30, 40);
-    for surface in [rough(30, 40, 0), plan.with_slowness(slowness).unwrap()] {
+    let plan = || floor_plan(5, 30, 40).0;
+    let wavefronts = [Wavefront::Anchored, Wavefront::Curved];
+    for surface in [rough(30, 40, 0), plan().with_slowness(slowness).unwrap()] {
         let seeds = seeds_at(&surface, some_point(&surface));
-        let maps = [Wavefront::Anchored, Wavefront::Curved]
-            .map(|wavefront| on_vulkan(&mut solver, &surface, &seeds, wavefront, CONVERGED));
-        assert_eq!(maps[0], maps[1]);
-        let on_device = solver.upload(&surface).unwrap();
-        let sources = [surface.present().iter().position(|&present| present)];
-        let rows = [Wavefront::Anchored, Wavefront::Curved].map(|wavefront| {
-            let mut pairwise = solver.pairwise(&on_device, wavefront, None).unwrap();
-            let mut row = vec![0.0; surface.chart().points()];
-            pairwise.solve(&solver, &on_device, &sources, CONVERGED, &mut row).unwrap();
-            row
+        let [anchored, curved] = wavefronts.map(|wavefront| {
+            on_vulkan(&mut vulkan_solver(), &surface, &seeds, wavefront, CONVERGED)
         });
-        assert_eq!(rows[0], rows[1]);
+        assert_eq!(anchored, curved);
     }
+    for surface in [rough(30, 40, 0), plan()] {
+        let first = surface.present().iter().position(|&present| present);
+        let sources = [first, None, Some(surface.chart().points() - 1)];
+        let [anchored, curved] = wavefronts.map(|wavefront| rows(&surface, &sources, wavefront));
+        assert!(anchored == curved && anchored.iter().any(|d| *d > 0.0));
+    }
+    let options = Options::default()
+        .with_engine(Engine::Vulkan(DeviceChoice::Any))
+        .with_wavefront(Wavefront::Anchored);
+    assert!(Pairwise::new(&plan(), &options).is_err(), "the CPU has such matrices");
 }
 
 /// A table holds the sources inside cells. If there are more sources than the table holds, their map has curved
@@ -168,7 +160,7 @@ fn other_surfaces_have_curved_fronts() {
 #[test]
 fn sources_inside_cells_are_as_many_as_there_is_room_for() {
     let mut solver = vulkan_solver();
-    let surface = Surface::from_heights(70, 66, vec![0.0; 70 * 66], Spacing::square(1.0)).unwrap();
+    let surface = flat(70, 66);
     let sources = |count: usize| {
         let place = |i: usize| ((i / 64) as f64 + 0.5, (i % 64) as f64 + 0.25);
         let places = (0..count).map(place);
@@ -195,34 +187,13 @@ fn sources_inside_cells_are_as_many_as_there_is_room_for() {
     assert!(difference(&cpu, &fresh.distances) < AGREEMENT);
 }
 
-/// Many maps at once have curved fronts in place of anchored ones.
-#[test]
-fn many_maps_at_once_have_curved_fronts() {
-    let solver = vulkan_solver();
-    let (surface, places) = floor_plan(3, 31, 36);
-    let (points, chart) = (surface.chart().points(), surface.chart());
-    let sources: Vec<_> = places.iter().map(|&[r, c]| Some(chart.index(r, c))).collect();
-    let on_device = solver.upload(&surface).unwrap();
-    let [anchored, curved] = [Wavefront::Anchored, Wavefront::Curved].map(|wavefront| {
-        let mut pairwise = solver.pairwise(&on_device, wavefront, None).unwrap();
-        let mut rows = vec![0.0; sources.len() * points];
-        pairwise.solve(&solver, &on_device, &sources, CONVERGED, &mut rows).unwrap();
-        rows
-    });
-    assert!(anchored == curved && anchored.iter().any(|d| *d > 0.0));
-    let options = Options::default()
-        .with_engine(Engine::Vulkan(DeviceChoice::Any))
-        .with_wavefront(Wavefront::Anchored);
-    let refused = Pairwise::new(&surface, &options).err().unwrap().to_string();
-    assert!(refused.contains("on the CPU"), "{refused}");
-}
-
-/// Returns rooms of 23 x 23 points with some doors between them, and a place inside a cell of one room.
-fn rooms(number: u64, rows: usize, cols: usize) -> (Surface, Sources) {
+/// Returns rooms of 23 x 23 points with some doors between them, and the seeds of a source inside a cell of one room.
+fn rooms(number: u64) -> (Surface, Vec<Seed>) {
+    let (rows, cols) = (97, 73);
     let mut random = Random::new(number);
     let mut from = |low: f64, high: f64| low + (high - low) * random.next();
     let mut floor: Vec<_> = (0..rows * cols)
-        .map(|point| ![point / cols, point % cols].iter().any(|line| line.is_multiple_of(24)))
+        .map(|point| ![point / cols, point % cols].iter().any(|line| line % 24 == 0))
         .collect();
     for (row, col) in
         (0..rows).step_by(24).flat_map(|row| (0..cols).step_by(24).map(move |col| (row, col)))
@@ -232,33 +203,9 @@ fn rooms(number: u64, rows: usize, cols: usize) -> (Surface, Sources) {
         let (door, width) = (from(2.0, 16.0) as usize, from(3.0, 7.0) as usize);
         (col + door..(col + door + width).min(cols)).for_each(|col| floor[row * cols + col] = true);
     }
-    let plane = Surface::from_heights(rows, cols, vec![0.0; rows * cols], Spacing::square(1.0));
     let source = Sources::point(24.0 + from(2.0, 21.0), 24.0 + from(2.0, 21.0));
-    (plane.unwrap().with_mask(&floor).unwrap(), source)
-}
-
-/// With every schedule, the map is that of the CPU. The source is inside a cell of a room.
-#[test]
-fn rooms_are_the_same_in_every_schedule() {
-    // GPUs' drivers take seconds to compile the pipelines of each device that is opened.
-    geosweep::vulkan::keep_devices(true);
-    let mut worst = 0.0f64;
-    for number in 0..10 {
-        let (surface, source) = rooms(number, 97, 73);
-        let map = |engine, schedule| {
-            let options = Options::default().with_engine(engine).with_schedule(schedule);
-            let map = geosweep::distance_map(&surface, &source, &options).unwrap();
-            assert_eq!(map.report.wavefront, Wavefront::Anchored);
-            map.distances
-        };
-        let cpu = map(Engine::Cpu, None);
-        for schedule in Schedule::ALL {
-            let found = map(Engine::Vulkan(DeviceChoice::Any), Some(schedule));
-            let difference = difference(&cpu, &found);
-            assert!(difference < AGREEMENT, "plan {number}, {schedule}: {difference:e}");
-            worst = worst.max(difference);
-        }
-    }
-    println!("{worst:.1e}");
-    geosweep::vulkan::keep_devices(false);
+    let rooms = flat(rows, cols).with_mask(&floor).unwrap();
+    assert!(rooms.is_floor_plan());
+    let seeds = source.seeds(&rooms).unwrap();
+    (rooms, seeds)
 }

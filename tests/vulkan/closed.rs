@@ -1,17 +1,18 @@
 //! Closed surfaces on a device: fronts pass the seams where sides of the grid are glued.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 use geosweep::cpu::twins::{self, ScanOrder};
 use geosweep::surface::{EdgeLengths, Gluing};
 use geosweep::vulkan::profile::{Detail, Grain, PassKind};
-use geosweep::vulkan::{HeadlessSolver, Method, Schedule, Tuning};
+use geosweep::vulkan::{Method, Schedule, Tuning};
 use geosweep::{Engine, Options, Sources, Surface, Wavefront, distance_map};
 
 use crate::common::closed::*;
 use crate::common::parts::{assert_is_part, farthest};
 use crate::common::*;
 use crate::headless::assert_schedule_twins;
+use crate::profile::bench::profiling_solver;
 
 /// Largest difference between the engines' converged maps, relative to the largest distance. Measured: 6.1e-7.
 const AGREEMENT: f64 = 1e-6;
@@ -86,7 +87,7 @@ fn engines_agree_on_closed_surfaces() {
 /// surface to surface, a schedule has all three wavefronts in turn.
 #[test]
 fn parts_of_closed_surfaces_are_those_of_the_whole_map() {
-    let mut solver = HeadlessSolver::with_validation(&device_choice()).unwrap();
+    let mut solver = gpu_like_solver();
     let surfaces = closed_surfaces().into_iter().step_by(2).enumerate();
     for (number, (name, surface, [row, col])) in surfaces {
         let seeds = Sources::point(row, col).seeds(&surface).unwrap();
@@ -101,13 +102,12 @@ fn parts_of_closed_surfaces_are_those_of_the_whole_map() {
             assert_is_part(&near.distances, &whole.distances, radius, &what);
         }
     }
-    assert_eq!(solver.validation_log().unwrap().messages(), Vec::<String>::new());
 }
 
 /// The exchange of the seeds is a part of seeding.
 #[test]
 fn profiles_of_closed_surfaces_have_all_exchanges() {
-    let mut solver = HeadlessSolver::for_profiling(&device_choice(), &[]).unwrap();
+    let mut solver = profiling_solver();
     let (surface, seeds) = (globe(31, 61), Sources::point(10.0, 2.0));
     let seeds = seeds.seeds(&surface).unwrap();
     let mut on_device = solver.upload(&surface).unwrap();
@@ -150,14 +150,11 @@ fn every_exchange_is_one_of_its_twin() {
 /// Lines fit a workgroup of 64 texels, which takes blocks in turn. They do not fit a workgroup of 16 texels.
 #[test]
 fn seams_are_passed_in_blocks_of_any_size_and_in_pairs() {
-    let forms = [(64, 4, true), (16, 1, true), (16, 3, false)].map(
-        |(scan_width, scan_lines, scan_pairs)| {
-            let solver = HeadlessSolver::with_validation(&device_choice()).unwrap();
-            let sizes = Tuning { scan_width, scan_lines, scan_pairs, ..solver.tuning() };
-            solver.with_tuning(sizes).unwrap()
-        },
-    );
-    for (form, mut solver) in forms.into_iter().enumerate() {
+    let forms = [(16, 1, true), (16, 3, false)].map(|(scan_width, scan_lines, scan_pairs)| {
+        tuned(|old| Tuning { scan_width, scan_lines, scan_pairs, ..old }).into()
+    });
+    let forms = [gpu_like_solver()].into_iter().chain(forms);
+    for (form, mut solver) in forms.enumerate() {
         // A torus, a strip, a pole and holes with obtuse triangles.
         let surfaces = closed_surfaces().into_iter().skip(1).step_by(2);
         for (number, (name, surface, [row, col])) in surfaces.enumerate() {
@@ -176,7 +173,7 @@ fn seams_are_passed_in_blocks_of_any_size_and_in_pairs() {
             let again = solver.solve(&mut on_device, &seeds, method).unwrap();
             assert_eq!(map.distances, again.distances, "{name}, {wavefront}");
         }
-        assert_eq!(solver.validation_log().unwrap().messages(), Vec::<String>::new());
+        assert_nothing_said(&solver);
     }
 }
 
@@ -195,41 +192,6 @@ fn blocks_are_due_beside_seams() {
             let visited = visits.iter().flatten().flatten().filter(|&&visited| visited).count();
             let blocks = visits.iter().flatten().map(Vec::len).sum::<usize>();
             assert!(visited < blocks, "{name}, {wavefront}: {visited} of {blocks}");
-        }
-    }
-}
-
-/// Maps of whole spheres are compared with the exact angles.
-#[test]
-fn spheres_are_whole_on_a_device() {
-    let mut solver = vulkan_solver();
-    let cases = [
-        ("globe", globe(101, 201), vec![[50, 70], [40, 0], [0, 17], [1, 60]], 2e-5),
-        ("octahedral map", octahedral(60), vec![[40, 75], [0, 30], [0, 0]], 4.5e-5),
-        ("equal-area map", equal_area(60), vec![[40, 75], [0, 30], [0, 0]], 4.5e-5),
-        ("cube", cube(51), vec![[10, 33], [0, 20], [0, 0]], 3e-5),
-    ];
-    for (name, surface, sources, bound) in cases {
-        let mut on_device = solver.upload(&surface).unwrap();
-        for [row, col] in sources {
-            let seeds = seeds_at(&surface, (row, col));
-            let method = Method::new(Wavefront::Curved, CONVERGED);
-            let map = solver.solve(&mut on_device, &seeds, method).unwrap();
-            let from = surface.position(row, col).unwrap();
-            let (mut sum, mut count, mut largest) = (0.0, 0, 0f64);
-            for (index, distance) in map.distances.iter().enumerate() {
-                let (row, col) = surface.chart().position(index);
-                let Some(at) = surface.position(row, col) else { continue };
-                let exact = at.cross(from).length().atan2(at.dot(from));
-                if exact > 1e-9 {
-                    let error = (f64::from(*distance) - exact).abs() / exact;
-                    (sum, count) = (sum + error, count + 1);
-                    largest = if exact < PI - 0.1 { largest.max(error) } else { largest };
-                }
-            }
-            let mean = sum / f64::from(count);
-            println!("{name} from {row}, {col}: mean {mean:.1e}, largest {largest:.1e}");
-            assert!(mean < bound && largest < 1e-3, "{name} from {row}, {col}: {mean:e}");
         }
     }
 }

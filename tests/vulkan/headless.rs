@@ -3,6 +3,7 @@
 use geosweep::Stop;
 use geosweep::cpu::Solution;
 use geosweep::cpu::twins::{self, Rounds};
+use geosweep::glam::DVec3;
 use geosweep::surface::builtin::Builtin;
 use geosweep::surface::{EdgeLengths, Seed};
 use geosweep::vulkan::plan::Step;
@@ -32,119 +33,114 @@ pub fn is_processor(solver: &HeadlessSolver) -> bool {
     devices().unwrap().iter().any(|info| info.name == solver.device_name() && info.kind == "CPU")
 }
 
-fn assert_engines_agree(
-    solver: &mut HeadlessSolver,
-    surface: &Surface,
-    sources: &Sources,
-    what: &str,
-) {
-    let seeds = sources.seeds(surface).unwrap();
-    for wavefront in WAVEFRONTS {
-        let cpu = on_cpu(surface, &seeds, wavefront, CONVERGED);
-        let vulkan = on_vulkan(solver, surface, &seeds, wavefront, CONVERGED);
-        let difference = difference(&cpu, &vulkan);
-        assert!(difference < AGREEMENT, "{what}, {wavefront}: {difference}");
+/// A surface and its sources, on which all engines and schedules must find the same map.
+struct Case {
+    what: String,
+    surface: Surface,
+    sources: Sources,
+}
+
+impl Case {
+    fn new(what: impl Into<String>, surface: Surface, sources: Sources) -> Self {
+        Self { what: what.into(), surface, sources }
+    }
+
+    /// Returns a case with a source in the middle.
+    fn from_middle(what: impl Into<String>, surface: Surface) -> Self {
+        let sources = middle(&surface);
+        Self::new(what, surface, sources)
     }
 }
 
-fn middle(surface: &Surface) -> Sources {
-    let (row, col) = some_point(surface);
-    Sources::point(row as f64, col as f64)
-}
-
-#[test]
-fn engines_agree_on_every_built_in_surface() {
-    let mut solver = vulkan_solver();
-    for builtin in Builtin::ALL {
-        let surface = builtin.surface(129, 117).unwrap();
-        assert_engines_agree(&mut solver, &surface, &middle(&surface), builtin.name());
-    }
-}
-
-#[test]
-fn engines_agree_on_odd_and_tiny_sizes() {
-    let mut solver = vulkan_solver();
-    for (rows, cols) in
-        [(1, 1), (1, 2), (1, 17), (23, 1), (2, 2), (2, 3), (3, 5), (4, 4), (17, 1000), (1000, 17)]
-    {
-        let surface = rough(rows, cols, 0);
+/// Returns odd and tiny grids, with sources at their corners.
+fn narrow_grids() -> impl Iterator<Item = Case> {
+    let sizes =
+        [(1, 1), (1, 2), (1, 17), (23, 1), (2, 2), (2, 3), (3, 5), (4, 4), (17, 1000), (1000, 17)];
+    sizes.into_iter().flat_map(|(rows, cols)| {
         let corners = [(0, 0), (rows - 1, cols - 1), (0, cols - 1), (rows / 2, cols / 2)];
-        for (row, col) in corners {
-            let sources = Sources::point(row as f64, col as f64);
+        corners.map(|(row, col)| {
             let what = format!("{rows}x{cols} from {row},{col}");
-            assert_engines_agree(&mut solver, &surface, &sources, &what);
+            Case::new(what, rough(rows, cols, 0), Sources::point(row as f64, col as f64))
+        })
+    })
+}
+
+/// Returns a sheared metric with holes that is as rough as noise, so that some lengths do not form triangles.
+fn noisy_metric() -> Case {
+    let noise = |i: u64| (i.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 40) as f64 / (1u64 << 24) as f64;
+    let tensor = |i: u64| {
+        let square = (0.5 + 1.5 * noise(i)).powi(2);
+        let hole = if i % 97 == 5 { f64::NAN } else { 1.0 };
+        MetricTensor { rr: hole * square, rc: 0.25 * square, cc: 1.5 * square }
+    };
+    let metric = Surface::from_metric(50, 40, (1..=50 * 40).map(tensor).collect());
+    Case::from_middle("rough metric", metric.unwrap())
+}
+
+/// Returns several sources, a curve, a source at every point, and positions far from the origin, which keep their digits.
+fn many_sources_and_far_points() -> [Case; 4] {
+    let surface = rough(90, 75, 0);
+    let several = Sources::point(10.25, 20.5).and_point(80.0, 3.0, 4.5).and_point(10.5, 20.0, 1.0);
+    let every = (0..90 * 75).fold(Sources::default(), |sources, i| {
+        sources.and_point(f64::from(i / 75), f64::from(i % 75), 0.0)
+    });
+    let near = Builtin::Peaks.surface(80, 80).unwrap();
+    let far = |i: usize| near.position(i / 80, i % 80).unwrap() + DVec3::splat(4e6);
+    let far = Surface::from_positions(80, 80, (0..80 * 80).map(far).collect()).unwrap();
+    [
+        Case::new("several sources", surface.clone(), several),
+        Case::new(
+            "a curve",
+            surface.clone(),
+            Sources::curve([[5.0, 5.0], [70.5, 30.25], [40.0, 70.0]]),
+        ),
+        Case::new("every point", surface, every),
+        Case::from_middle("far from the origin", far),
+    ]
+}
+
+/// Maps are found by raster scans and by tiles in turn, half of them by a device like a GPU.
+#[test]
+fn engines_agree() {
+    let built_in = Builtin::ALL
+        .map(|builtin| Case::from_middle(builtin.name(), builtin.surface(129, 117).unwrap()));
+    let holes =
+        [2, 3, 20].map(|few| Case::from_middle(format!("one hole in {few}"), rough(61, 84, few)));
+    let cases = (built_in.into_iter().chain(narrow_grids()).chain(holes))
+        .chain([noisy_metric()])
+        .chain(many_sources_and_far_points());
+    let mut solvers = [vulkan_solver(), gpu_like_solver()];
+    for (number, Case { what, surface, sources }) in cases.enumerate() {
+        let solver = &mut solvers[number % 2];
+        let seeds = sources.seeds(&surface).unwrap();
+        let mut on_device = solver.upload(&surface).unwrap();
+        for wavefront in WAVEFRONTS {
+            let schedule =
+                [Schedule::Tiles, Schedule::Raster][(number / 2 + wavefront as usize) % 2];
+            let method = Method::new(wavefront, CONVERGED).with_schedule(schedule);
+            let cpu = on_cpu(&surface, &seeds, wavefront, CONVERGED);
+            let found = solver.solve(&mut on_device, &seeds, method).unwrap();
+            let difference = difference(&cpu, &found.distances);
+            assert!(difference < AGREEMENT, "{what}, {wavefront}, {schedule}: {difference}");
         }
     }
 }
 
-#[test]
-fn engines_agree_around_holes() {
-    let mut solver = vulkan_solver();
-    for one_hole_in in [2, 3, 5, 20] {
-        let surface = rough(61, 84, one_hole_in);
-        let what = format!("one hole in {one_hole_in}");
-        assert_engines_agree(&mut solver, &surface, &middle(&surface), &what);
-    }
-}
-
-#[test]
-fn engines_agree_with_slowness_and_on_a_metric() {
-    let mut solver = vulkan_solver();
-    let slowness = (0..60 * 70).map(|i| if i % 70 < 30 { 1.0 } else { 2.5 }).collect();
-    let weighted = rough(60, 70, 9).with_slowness(slowness).unwrap();
-    assert_engines_agree(&mut solver, &weighted, &middle(&weighted), "slowness");
-
-    let metric = |index: usize| {
-        let (row, col) = ((index / 70) as f64 / 60.0, (index % 70) as f64 / 70.0);
-        MetricTensor { rr: 1.0 + row, rc: 0.4 * (3.0 * col).sin(), cc: 2.0 - col }
-    };
-    let metric = Surface::from_metric(60, 70, (0..60 * 70).map(metric).collect()).unwrap();
-    assert_engines_agree(&mut solver, &metric, &middle(&metric), "metric");
-}
-
-#[test]
-fn engines_agree_with_many_sources_and_curves() {
-    let mut solver = vulkan_solver();
-    let surface = rough(90, 75, 0);
-    let several = Sources::point(10.25, 20.5).and_point(80.0, 3.0, 4.5).and_point(10.5, 20.0, 1.0);
-    assert_engines_agree(&mut solver, &surface, &several, "several sources");
-    let every_point = (0..90).flat_map(|row| (0..75).map(move |col| (row, col)));
-    let every_point = every_point.fold(Sources::default(), |sources, (row, col)| {
-        sources.and_point(row as f64, col as f64, 0.0)
-    });
-    assert_engines_agree(&mut solver, &surface, &every_point, "every point");
-    let curve = Sources::curve([[5.0, 5.0], [70.5, 30.25], [40.0, 70.0]]);
-    let seeds = curve.seeds(&surface).unwrap();
-    let cpu = on_cpu(&surface, &seeds, Wavefront::Planar, CONVERGED);
-    let vulkan = on_vulkan(&mut solver, &surface, &seeds, Wavefront::Planar, CONVERGED);
-    assert!(difference(&cpu, &vulkan) < AGREEMENT);
-}
-
-/// Positions far from the origin keep their digits.
-#[test]
-fn engines_agree_far_from_the_origin() {
-    let mut solver = vulkan_solver();
-    let near = Builtin::Peaks.surface(80, 80).unwrap();
-    let far = (0..80 * 80)
-        .map(|i| near.position(i / 80, i % 80).unwrap() + geosweep::glam::DVec3::splat(4e6))
-        .collect();
-    let far = Surface::from_positions(80, 80, far).unwrap();
-    assert_engines_agree(&mut solver, &far, &middle(&far), "far from the origin");
-}
-
-/// Every schedule leads to the same map and reaches the same points.
+/// Every schedule leads to the same map, and repeats it to the bit.
 #[test]
 fn schedules_agree() {
-    let mut solver = vulkan_solver();
-    let slowness = (0..60 * 70).map(|i| if i % 70 < 30 { 1.0 } else { 2.5 }).collect();
-    for (surface, what) in [
+    for (number, (surface, what)) in [
         (Builtin::Sphere.surface(65, 80).unwrap(), "sphere"),
         (Builtin::Maze.surface(61, 67).unwrap(), "maze"),
         (rough(50, 37, 5), "holes"),
-        (rough(60, 70, 9).with_slowness(slowness).unwrap(), "slowness"),
+        (slowed(60, 70, 30), "slowness"),
         (rough(3, 41, 0), "a strip"),
         (rough(1, 1, 0), "a point"),
-    ] {
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let mut solver = if number % 2 == 0 { gpu_like_solver() } else { vulkan_solver() };
         let seeds = middle(&surface).seeds(&surface).unwrap();
         let mut on_device = solver.upload(&surface).unwrap();
         for wavefront in WAVEFRONTS {
@@ -198,16 +194,6 @@ fn a_surface_takes_little_memory() {
         let points = (rows * cols) as u64;
         assert!(bytes < most * points, "{rows} x {cols}: {bytes}, {} a point", bytes / points);
     }
-}
-
-/// Compares scans with those of the twin iteration by iteration, not only after convergence.
-fn assert_twins(
-    solver: &mut HeadlessSolver,
-    surface: &Surface,
-    source: (usize, usize),
-    iterations: u32,
-) {
-    assert_schedule_twins(solver, surface, source, Schedule::Raster, 1..=iterations);
 }
 
 /// Returns the map of a schedule's twin, point by point.
@@ -277,20 +263,21 @@ pub fn assert_schedule_twins(
 #[test]
 fn every_iteration_of_the_shader_is_one_of_its_twin() {
     let mut solver = vulkan_solver();
-    assert_twins(&mut solver, &Builtin::Maze.surface(101, 120).unwrap(), (0, 0), 4);
-    assert_twins(&mut solver, &rough(75, 62, 0), (50, 13), 3);
-    let holes = rough(64, 81, 4);
-    assert_twins(&mut solver, &holes, some_point(&holes), 3);
+    let (maze, holes) = (Builtin::Maze.surface(101, 120).unwrap(), rough(64, 81, 4));
+    for (surface, source) in
+        [(&maze, (0, 0)), (&rough(75, 62, 0), (50, 13)), (&holes, some_point(&holes))]
+    {
+        assert_schedule_twins(&mut solver, surface, source, Schedule::Raster, 1..=3);
+    }
 }
 
 /// Some rounds are in a second recording, and some come after convergence.
 #[test]
 fn every_round_is_one_of_its_twin() {
     let mut solver = vulkan_solver();
-    let slowness = (0..40 * 53).map(|i| if i % 53 < 30 { 1.0 } else { 2.5 }).collect();
     for (surface, source) in [
         (Builtin::Maze.surface(67, 60).unwrap(), (0, 0)),
-        (rough(40, 53, 9).with_slowness(slowness).unwrap(), (20, 27)),
+        (slowed(40, 53, 30), (20, 27)),
         (rough(49, 38, 0), (31, 13)),
         (rough(1, 40, 0), (0, 39)),
     ] {
@@ -304,12 +291,13 @@ fn every_round_is_one_of_its_twin() {
 #[test]
 fn every_band_of_the_upload_arrives() {
     let mut solver = vulkan_solver();
-    assert_twins(&mut solver, &Builtin::Sphere.surface(1100, 1000).unwrap(), (300, 700), 1);
+    let sphere = Builtin::Sphere.surface(1100, 1000).unwrap();
+    assert_schedule_twins(&mut solver, &sphere, (300, 700), Schedule::Raster, [1]);
 }
 
 #[test]
-fn a_surface_on_the_device_serves_many_maps_and_repeats_them_to_the_bit() {
-    let mut solver = vulkan_solver();
+fn a_map_does_not_depend_on_the_maps_before() {
+    let mut solver = gpu_like_solver();
     let surface = rough(70, 50, 6);
     let mut on_device = solver.upload(&surface).unwrap();
     let seeds = seeds_at(&surface, some_point(&surface));
@@ -318,30 +306,11 @@ fn a_surface_on_the_device_serves_many_maps_and_repeats_them_to_the_bit() {
         solver.solve(&mut on_device, seeds, method).unwrap()
     };
     let first = solve(&seeds, Wavefront::Circular);
-    let other =
-        solve(&Sources::point(0.5, 0.5).seeds(&rough(70, 50, 0)).unwrap(), Wavefront::Planar);
-    assert_ne!(first.distances, other.distances);
+    let others = Sources::point(0.5, 0.5).seeds(&rough(70, 50, 0)).unwrap();
+    assert_ne!(first.distances, solve(&others, Wavefront::Planar).distances);
     let again = solve(&seeds, Wavefront::Circular);
     assert_eq!(first.distances, again.distances);
     assert_eq!((first.iterations, first.residual), (again.iterations, again.residual));
-}
-
-#[test]
-fn iterations_stop_at_the_given_count() {
-    let mut solver = vulkan_solver();
-    let surface = Builtin::Maze.surface(101, 101).unwrap();
-    let seeds = seeds_at(&surface, (0, 0));
-    let mut on_device = solver.upload(&surface).unwrap();
-    let mut solve = |stop| {
-        let method = Method::new(Wavefront::Planar, stop);
-        solver.solve(&mut on_device, &seeds, method).unwrap()
-    };
-    let one = solve(Stop::after(1));
-    assert_eq!((one.iterations, one.residual), (1, 1.0));
-    let converged = solve(CONVERGED);
-    assert!(converged.iterations > 1 && converged.residual <= CONVERGED.tolerance);
-    let reached = |distances: &[f32]| distances.iter().filter(|d| d.is_finite()).count();
-    assert!(reached(&one.distances) < reached(&converged.distances));
 }
 
 #[test]
@@ -386,35 +355,4 @@ fn a_grid_larger_than_the_device_is_an_error() {
     let surface = rough(1, 200_000, 0);
     let Err(error) = solver.upload(&surface) else { panic!("no device has such images") };
     assert!(matches!(error, VulkanError::TooLarge { .. }), "{error}");
-}
-
-/// The terrain is the one in the repository.
-#[test]
-#[cfg(feature = "formats")]
-fn engines_agree_on_real_terrain() {
-    let path = std::path::Path::new("examples/data/jacksboro.png");
-    let spacing = geosweep::Spacing { dx: 74.573, dy: 92.475 };
-    let surface =
-        geosweep::io::SurfaceFile::read(path).unwrap().into_surface(Some(spacing)).unwrap();
-    let mut solver = vulkan_solver();
-    assert_engines_agree(&mut solver, &surface, &Sources::point(297.0, 219.0), "terrain");
-}
-
-/// The slowness is as rough as noise, so that some lengths do not form triangles.
-#[test]
-fn engines_agree_with_rough_slowness() {
-    let mut solver = vulkan_solver();
-    let noise = |i: u64| (i.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 40) as f64 / (1u64 << 24) as f64;
-    let slowness = (1..=50 * 40).map(|i| 0.5 + 1.5 * noise(i)).collect();
-    let surface = rough(50, 40, 0).with_slowness(slowness).unwrap();
-    assert_engines_agree(&mut solver, &surface, &middle(&surface), "rough slowness");
-    // A sheared metric with holes is scaled by this noise too.
-    let tensor = |i: u64| {
-        let square = (0.5 + 1.5 * noise(i)).powi(2);
-        let hole = if i % 97 == 5 { f64::NAN } else { 1.0 };
-        MetricTensor { rr: hole * square, rc: 0.25 * square, cc: 1.5 * square }
-    };
-    let metric = (1..=50 * 40).map(tensor).collect();
-    let surface = Surface::from_metric(50, 40, metric).unwrap();
-    assert_engines_agree(&mut solver, &surface, &middle(&surface), "rough metric");
 }

@@ -12,6 +12,7 @@ use geosweep::vulkan::{
 };
 use geosweep::{Engine, Error, MetricTensor, Options, Spacing, Surface, Wavefront};
 
+use crate::common::closed::grid;
 use crate::common::*;
 
 /// Largest difference between engines. Both stop when nothing falls by more than 1e-6 in an iteration, and
@@ -96,49 +97,38 @@ fn assert_engines_agree(solver: &HeadlessSolver, surface: &Surface, number: usiz
     }
 }
 
+/// The last two grids have obtuse triangles, and lines of texels that are longer than a workgroup.
 #[test]
-fn engines_agree_on_every_built_in_surface() {
+fn engines_agree() {
     let solver = vulkan_solver();
-    for (number, builtin) in Builtin::ALL.into_iter().enumerate() {
-        assert_engines_agree(&solver, &builtin.surface(23, 20).unwrap(), number, builtin.name());
-    }
-}
-
-#[test]
-fn engines_agree_on_odd_and_tiny_sizes() {
-    let solver = vulkan_solver();
+    let built_in =
+        Builtin::ALL.map(|builtin| (builtin.name().to_owned(), builtin.surface(23, 20).unwrap()));
     let sizes = [(1, 1), (1, 2), (2, 1), (2, 2), (3, 5), (2, 37), (41, 2), (65, 47), (1, 300)];
-    for (number, (rows, cols)) in sizes.into_iter().enumerate() {
-        let what = format!("{rows}x{cols}");
-        assert_engines_agree(&solver, &rough(rows, cols, 0), number, &what);
-    }
-}
-
-#[test]
-fn engines_agree_around_holes() {
-    let solver = vulkan_solver();
-    for one_hole_in in [2, 3, 5, 20] {
-        let surface = rough(21, 34, one_hole_in);
-        let what = format!("one hole in {one_hole_in}");
-        assert_engines_agree(&solver, &surface, one_hole_in as usize, &what);
-    }
-}
-
-#[test]
-fn engines_agree_with_slowness_and_on_a_metric() {
-    let solver = vulkan_solver();
-    let slowness = (0..20 * 25).map(|i| if i % 25 < 10 { 1.0 } else { 2.5 }).collect();
-    let weighted = rough(20, 25, 9).with_slowness(slowness).unwrap();
-    assert_engines_agree(&solver, &weighted, 0, "slowness");
+    let narrow = sizes.map(|(rows, cols)| (format!("{rows} x {cols}"), rough(rows, cols, 0)));
+    let holes = [2, 3, 5].map(|few| (format!("one hole in {few}"), rough(21, 34, few)));
     let metric = |index: usize| {
         let (row, col) = ((index / 25) as f64 / 20.0, (index % 25) as f64 / 25.0);
         MetricTensor { rr: 1.0 + row, rc: 0.4 * (3.0 * col).sin(), cc: 2.0 - col }
     };
     let metric = Surface::from_metric(20, 25, (0..20 * 25).map(metric).collect()).unwrap();
-    assert_engines_agree(&solver, &metric, 1, "metric");
-    let weighted =
-        steep(22, 25).with_slowness((0..22 * 25).map(|i| 1.0 + (i % 3) as f64).collect());
-    assert_engines_agree(&solver, &weighted.unwrap(), 0, "slowness on steep hills");
+    let slowness = (0..22 * 25).map(|i| 1.0 + (i % 3) as f64).collect();
+    let steep = steep(22, 25).with_slowness(slowness).unwrap();
+    let others = [("slowness", slowed(20, 25, 10)), ("metric", metric), ("slow hills", steep)]
+        .map(|(what, surface)| (what.to_owned(), surface));
+    let sheared = [(9, 280), (270, 8)]
+        .map(|(rows, cols)| (format!("sheared, {rows} x {cols}"), sheared(rows, cols)));
+    let surfaces = built_in.into_iter().chain(narrow).chain(holes).chain(others).chain(sheared);
+    for (number, (what, surface)) in surfaces.enumerate() {
+        assert_engines_agree(&solver, &surface, number, &what);
+    }
+}
+
+/// Returns a plane whose triangles are obtuse.
+fn sheared(rows: usize, cols: usize) -> Surface {
+    let surface =
+        grid(rows, cols, |row, col| DVec3::new(col as f64 + 1.5 * row as f64, row as f64, 0.0));
+    assert!(EdgeLengths::<f32>::new(&surface).unwrap().has_obtuse_triangles());
+    surface
 }
 
 /// Each map equals the twin's, after some iterations and after convergence.
@@ -198,22 +188,6 @@ fn steep(rows: usize, cols: usize) -> Surface {
     let surface = Surface::from_heights(rows, cols, heights, Spacing::square(1.0)).unwrap();
     assert!(EdgeLengths::<f32>::new(&surface).unwrap().has_obtuse_triangles());
     surface
-}
-
-/// A batch updates the parts of obtuse triangles also where a line of texels is longer than a workgroup.
-#[test]
-fn batches_split_obtuse_triangles_over_several_workgroups() {
-    let solver = vulkan_solver();
-    for (rows, cols) in [(9, 280), (270, 8)] {
-        let place = |index: usize| {
-            let (row, col) = ((index / cols) as f64, (index % cols) as f64);
-            DVec3::new(col + 1.5 * row, row, 0.0)
-        };
-        let sheared = Surface::from_positions(rows, cols, (0..rows * cols).map(place).collect());
-        let sheared = sheared.unwrap();
-        assert!(EdgeLengths::<f32>::new(&sheared).unwrap().has_obtuse_triangles());
-        assert_engines_agree(&solver, &sheared, 0, &format!("sheared, {rows} x {cols}"));
-    }
 }
 
 /// Rows do not depend on the sources beside them, nor on their batch, and are the same when computed again.

@@ -6,7 +6,7 @@ use geosweep::{Sources, Stop, Surface, Wavefront};
 
 use crate::common::*;
 use crate::headless::assert_schedule_twins;
-use crate::tile_lanes::{Problem, assert_nothing_said, problems};
+use crate::tile_lanes::{Problem, problems};
 
 /// Largest difference of converged maps, relative to the largest distance.
 const AGREEMENT: f64 = 1e-6;
@@ -16,10 +16,8 @@ const AGREEMENT: f64 = 1e-6;
 /// triangles read up to three blocks of one line past the middle.
 const FORMS: [(u32, u32); 2] = [(64, 4), (16, 1)];
 
-fn solver((scan_width, scan_lines): (u32, u32), scan_pairs: bool) -> HeadlessSolver {
-    let solver = HeadlessSolver::with_validation(&device_choice()).unwrap();
-    let tuning = Tuning { scan_width, scan_lines, scan_pairs, ..solver.tuning() };
-    solver.with_tuning(tuning).unwrap()
+fn in_pairs((scan_width, scan_lines): (u32, u32)) -> HeadlessSolver {
+    tuned(|old| Tuning { scan_width, scan_lines, scan_pairs: true, ..old })
 }
 
 fn raster(wavefront: Wavefront, stop: Stop) -> Method {
@@ -40,7 +38,7 @@ fn obtuse() -> Problem {
 #[test]
 fn pairs_lead_to_the_map_of_scans_in_turn() {
     let mut in_turn = vulkan_solver();
-    let mut forms = FORMS.map(|form| (form, solver(form, true)));
+    let mut forms = FORMS.map(|form| (form, in_pairs(form)));
     for problem in problems().into_iter().chain([obtuse()]) {
         let added = Sources::point(1.0, 2.0).seeds(&problem.surface).ok();
         for &wavefront in problem.wavefronts {
@@ -79,36 +77,10 @@ fn every_iteration_of_pairs_is_one_of_its_twin() {
     let cases: [(&Surface, _); 3] =
         [(&maze, (0, 0)), (&sphere, (50, 13)), (&holes, some_point(&holes))];
     for form in FORMS {
-        let mut solver = solver(form, true);
+        let mut solver = in_pairs(form);
         for (surface, source) in cases {
             assert_schedule_twins(&mut solver, surface, source, Schedule::Raster, [1, 2, 6]);
         }
         assert_nothing_said(&solver);
-    }
-}
-
-/// Prints iterations. The grid has `GEOSWEEP_SIDE` points per side, or 140, of which lines do not fit a
-/// workgroup.
-#[test]
-fn pairs_take_as_many_iterations_as_scans_in_turn() {
-    let side = std::env::var("GEOSWEEP_SIDE").map_or(140, |side| side.parse().unwrap());
-    let mut solvers = [false, true].map(|scan_pairs| {
-        let solver = HeadlessSolver::new(&device_choice()).unwrap();
-        let tuning = Tuning { scan_pairs, ..solver.tuning() };
-        solver.with_tuning(tuning).unwrap()
-    });
-    for builtin in [Builtin::Sphere, Builtin::Peaks, Builtin::Maze] {
-        let surface = builtin.surface(side, side).unwrap();
-        let seeds = seeds_at(&surface, some_point(&surface));
-        let [before, after] = solvers.each_mut().map(|solver| {
-            let mut on_device = solver.upload(&surface).unwrap();
-            solver.solve(&mut on_device, &seeds, raster(Wavefront::Planar, CONVERGED)).unwrap()
-        });
-        println!(
-            "{builtin}: {} iterations in turn, {} in pairs",
-            before.iterations, after.iterations
-        );
-        assert!(difference(&before.distances, &after.distances) < AGREEMENT, "{builtin}");
-        assert!(after.iterations <= before.iterations + 1, "{builtin}");
     }
 }

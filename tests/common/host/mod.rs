@@ -4,51 +4,47 @@
 #![allow(dead_code)] // each test binary uses its part
 
 use std::ffi::{CStr, c_void};
-use std::sync::Mutex;
+use std::ops::{Deref, DerefMut};
 
-use geosweep::ash::{self, ext, vk};
+use geosweep::ash::{self, vk};
 use geosweep::gpu_allocator::MemoryLocation;
-use geosweep::gpu_allocator::vulkan::{
-    Allocation, AllocationCreateDesc, AllocationScheme, Allocator, AllocatorCreateDesc,
-};
-use geosweep::vulkan::requirements;
 
+#[path = "../../../examples/shared/context.rs"]
+mod context;
+mod images;
+#[path = "../../../examples/shared/memory.rs"]
 mod memory;
 mod passes;
 pub mod queues;
 
+use context::{Context, Instance, LAYER, SYNCHRONIZATION};
+pub use memory::{Buffer as HostBuffer, Image as HostImage};
+use memory::{ImageUse, whole, whole_copy};
 use queues::{HostQueue, Place};
-
-const LAYER: &CStr = c"VK_LAYER_KHRONOS_validation";
 
 /// The renderer.
 pub struct Host {
-    pub device: ash::Device,
-    pub allocator: Option<Allocator>,
-    pub physical_device: vk::PhysicalDevice,
+    context: Context,
     /// Main queue, for compute and graphics.
     pub queue: vk::Queue,
     /// Pool for command buffers of the main queue.
     pub pool: vk::CommandPool,
     /// Second queue, of another family if the device has one. It may be the main queue itself.
     pub compute: HostQueue,
-    pub instance: ash::Instance,
-    messenger: Option<(ext::debug_utils::Instance, vk::DebugUtilsMessengerEXT)>,
-    log: Box<Mutex<Vec<String>>>,
-    _entry: ash::Entry,
 }
 
-/// A buffer with its memory.
-pub struct HostBuffer {
-    pub handle: vk::Buffer,
-    allocation: Allocation,
+impl Deref for Host {
+    type Target = Context;
+
+    fn deref(&self) -> &Context {
+        &self.context
+    }
 }
 
-/// An image with its memory, with one texel per grid point.
-pub struct HostImage {
-    pub image: vk::Image,
-    pub view: vk::ImageView,
-    allocation: Allocation,
+impl DerefMut for Host {
+    fn deref_mut(&mut self) -> &mut Context {
+        &mut self.context
+    }
 }
 
 /// An image as the target of a render pass.
@@ -95,7 +91,7 @@ impl Host {
     /// Creates a host under the validation layers, without their checks in shaders: these take long for many
     /// pixels.
     pub fn with_synchronization_validation() -> Self {
-        Self::open(&[vk::ValidationFeatureEnableEXT::SYNCHRONIZATION_VALIDATION])
+        Self::open(SYNCHRONIZATION)
     }
 
     /// Creates a host without validation layers: for timings, and for faults that the layers would rightly
@@ -104,56 +100,13 @@ impl Host {
         Self::open(&[])
     }
 
-    fn open(enabled: &[vk::ValidationFeatureEnableEXT]) -> Self {
-        let validate = !enabled.is_empty();
-        let entry = unsafe { ash::Entry::load() }.unwrap();
-        let application = vk::ApplicationInfo::default().api_version(requirements::API_VERSION);
-        let mut features =
-            vk::ValidationFeaturesEXT::default().enabled_validation_features(enabled);
-        let layers = [LAYER.as_ptr()];
-        let mut extensions =
-            vec![ext::debug_utils::NAME.as_ptr(), ext::validation_features::NAME.as_ptr()];
-        // Newer layers report hazards of shaders only on request. Older ones do not have the setting.
-        let of_layer = unsafe { entry.enumerate_instance_extension_properties(Some(LAYER)) };
-        let takes_settings = of_layer
-            .unwrap_or_default()
-            .iter()
-            .any(|extension| extension.extension_name_as_c_str() == Ok(ext::layer_settings::NAME));
-        let mut setting = vk::LayerSettingEXT::default()
-            .layer_name(LAYER)
-            .setting_name(c"syncval_shader_accesses_heuristic")
-            .ty(vk::LayerSettingTypeEXT::BOOL32);
-        (setting.value_count, setting.p_values) = (1, std::ptr::from_ref(&vk::TRUE).cast());
-        let settings = [setting];
-        let mut settings = vk::LayerSettingsCreateInfoEXT::default().settings(&settings);
-        let mut info = vk::InstanceCreateInfo::default().application_info(&application);
-        if validate {
-            if takes_settings {
-                extensions.push(ext::layer_settings::NAME.as_ptr());
-                info = info.push_next(&mut settings);
-            }
-            info = info
-                .enabled_layer_names(&layers)
-                .enabled_extension_names(&extensions)
-                .push_next(&mut features);
-        }
-        let instance = unsafe { entry.create_instance(&info, None) }
-            .expect("the tests need the validation layers; ci/setup installs them");
-        let log = Box::new(Mutex::new(Vec::new()));
-        let messenger = validate.then(|| listen(&entry, &instance, &log));
-
-        let wanted = std::env::var("GEOSWEEP_TEST_DEVICE").unwrap_or_default().to_lowercase();
-        let physical_device = unsafe { instance.enumerate_physical_devices() }
-            .unwrap()
-            .into_iter()
-            .find(|&device| {
-                let properties = unsafe { instance.get_physical_device_properties(device) };
-                let name = properties.device_name_as_c_str().unwrap().to_string_lossy();
-                name.to_lowercase().contains(&wanted)
-                    && requirements::unmet(&instance, device).is_empty()
-            })
+    fn open(checks: &[vk::ValidationFeatureEnableEXT]) -> Self {
+        let instance = Instance::new(Vec::new(), checks).unwrap();
+        let wanted = std::env::var("GEOSWEEP_TEST_DEVICE").unwrap_or_default();
+        let (physical_device, ()) = instance
+            .choose(&wanted, |_| Ok(()))
             .expect("the tests need a Vulkan device; ci/setup installs lavapipe");
-        let places = queues::of(&instance, physical_device);
+        let places = queues::of(&instance.handle, physical_device);
         let priorities = [1.0; 2];
         let queues = queues::counts(places).map(|(family, count)| {
             vk::DeviceQueueCreateInfo::default()
@@ -161,35 +114,9 @@ impl Host {
                 .queue_priorities(&priorities[..count])
         });
         let queues: Vec<_> = queues.collect();
-        let features = requirements::features();
-        let info =
-            vk::DeviceCreateInfo::default().queue_create_infos(&queues).enabled_features(&features);
-        let device = unsafe { instance.create_device(physical_device, &info, None) }.unwrap();
-        let allocator = Allocator::new(&AllocatorCreateDesc {
-            instance: instance.clone(),
-            device: device.clone(),
-            physical_device,
-            debug_settings: Default::default(),
-            buffer_device_address: false,
-            allocation_sizes: Default::default(),
-        });
-        let [main, compute] = places.map(|place| HostQueue::new(&device, place));
-        Self {
-            device,
-            allocator: Some(allocator.unwrap()),
-            physical_device,
-            queue: main.handle,
-            pool: main.pool,
-            compute,
-            instance,
-            messenger,
-            log,
-            _entry: entry,
-        }
-    }
-
-    pub fn allocator(&mut self) -> &mut Allocator {
-        self.allocator.as_mut().unwrap()
+        let context = Context::new(instance, physical_device, &queues, &[]).unwrap();
+        let [main, compute] = places.map(|place| HostQueue::new(&context.device, place));
+        Self { context, queue: main.handle, pool: main.pool, compute }
     }
 
     /// Returns the number of allocations.
@@ -199,15 +126,7 @@ impl Host {
 
     /// Returns whether the device computes on the processor's cores.
     pub fn is_processor(&self) -> bool {
-        // SAFETY: the physical device is from this instance.
-        let properties =
-            unsafe { self.instance.get_physical_device_properties(self.physical_device) };
-        properties.device_type == vk::PhysicalDeviceType::CPU
-    }
-
-    /// Returns all messages of the validation layers so far.
-    pub fn messages(&self) -> Vec<String> {
-        self.log.lock().unwrap().clone()
+        self.properties().device_type == vk::PhysicalDeviceType::CPU
     }
 
     /// Allocates a command buffer for the main queue.
@@ -306,17 +225,13 @@ impl Host {
 
 impl Drop for Host {
     fn drop(&mut self) {
+        self.wait();
         unsafe {
-            let _ = self.device.device_wait_idle();
             self.device.destroy_command_pool(self.pool, None);
             self.device.destroy_command_pool(self.compute.pool, None);
-            self.allocator = None;
-            self.device.destroy_device(None);
-            if let Some((loader, messenger)) = &self.messenger {
-                loader.destroy_debug_utils_messenger(*messenger, None);
-            }
-            self.instance.destroy_instance(None);
         }
+        self.context.close_device();
+        self.context.root.close();
         if !std::thread::panicking() {
             // Messages while the device is destroyed are about objects that were left behind.
             let left: Vec<_> =
@@ -330,43 +245,6 @@ impl Drop for Host {
 pub fn family(instance: &ash::Instance, physical_device: vk::PhysicalDevice) -> u32 {
     let [Place { family, .. }, _] = queues::of(instance, physical_device);
     family
-}
-
-type Messenger = (ext::debug_utils::Instance, vk::DebugUtilsMessengerEXT);
-
-fn listen(entry: &ash::Entry, instance: &ash::Instance, log: &Mutex<Vec<String>>) -> Messenger {
-    let loader = ext::debug_utils::Instance::new(entry, instance);
-    let info = vk::DebugUtilsMessengerCreateInfoEXT::default()
-        .message_severity(
-            vk::DebugUtilsMessageSeverityFlagsEXT::WARNING
-                | vk::DebugUtilsMessageSeverityFlagsEXT::ERROR,
-        )
-        .message_type(vk::DebugUtilsMessageTypeFlagsEXT::VALIDATION)
-        .pfn_user_callback(Some(collect))
-        .user_data(std::ptr::from_ref(log).cast_mut().cast());
-    let messenger = unsafe { loader.create_debug_utils_messenger(&info, None) }.unwrap();
-    (loader, messenger)
-}
-
-unsafe extern "system" fn collect(
-    severity: vk::DebugUtilsMessageSeverityFlagsEXT,
-    _kind: vk::DebugUtilsMessageTypeFlagsEXT,
-    data: *const vk::DebugUtilsMessengerCallbackDataEXT<'_>,
-    log: *mut c_void,
-) -> vk::Bool32 {
-    let id = unsafe { (*data).message_id_name_as_c_str() }.unwrap_or(c"").to_string_lossy();
-    let text = unsafe { (*data).message_as_c_str() }.unwrap_or(c"").to_string_lossy();
-    // Messages of the layers about their own set-up are not findings.
-    let is_warning = severity == vk::DebugUtilsMessageSeverityFlagsEXT::WARNING;
-    if !(is_warning && id.contains("GPU-Assisted")) {
-        let text = format!("[ {id} ] {text}");
-        // Objects that a failing test leaves behind are expected, and reporting them would hide its cause.
-        if !std::thread::panicking() {
-            eprintln!("validation: {text}");
-        }
-        unsafe { &*log.cast::<Mutex<Vec<String>>>() }.lock().unwrap().push(text);
-    }
-    vk::FALSE
 }
 
 /// Returns the version of the validation layers.

@@ -398,12 +398,7 @@ impl Host {
     }
 
     pub fn copy_canvas(&self, commands: vk::CommandBuffer, canvas: &Canvas, to: &HostBuffer) {
-        let layers = vk::ImageSubresourceLayers::default()
-            .aspect_mask(vk::ImageAspectFlags::COLOR)
-            .layer_count(1);
-        let copy = vk::BufferImageCopy::default()
-            .image_subresource(layers)
-            .image_extent(canvas.target.extent.into());
+        let copy = whole_copy(canvas.target.extent);
         let layout = vk::ImageLayout::TRANSFER_SRC_OPTIMAL;
         let image = canvas.picture.image;
         unsafe {

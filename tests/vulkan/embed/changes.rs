@@ -6,8 +6,8 @@ use geosweep::ash::vk;
 use geosweep::surface::Chart;
 use geosweep::vulkan::embed::{
     self, Access, ContourFrame, CurveRecord, CurveVertex, Frame, LevelInput, PathFrame, PathsInfo,
-    PointKind, PointMemory, PointSource, Points, Reader, Recording, RegionFrame, SourceBuffer,
-    SourceInput, StartInput, SurfaceInfo,
+    PointKind, PointMemory, PointSource, Points, Reader, RegionFrame, SourceBuffer, SourceInput,
+    StartInput, SurfaceInfo,
 };
 use geosweep::vulkan::{Schedule, VulkanError};
 
@@ -29,18 +29,6 @@ impl Stage {
         self.run(|recording| recording.points_at(offset).frame(&frame(plan, sources)));
         self.finish(plan);
         self.read()
-    }
-
-    /// Returns the error of a recording that is discarded.
-    fn refused<T: std::fmt::Debug>(
-        &self,
-        record: impl FnOnce(Recording) -> Result<T, VulkanError>,
-    ) -> VulkanError {
-        let commands = self.host.commands();
-        self.host.begin(commands);
-        let result = record(self.solver.record(&self.host.device, commands, &self.surface));
-        self.host.end(commands);
-        result.unwrap_err()
     }
 }
 
@@ -89,10 +77,11 @@ fn each_frame_reads_its_part_of_a_ring() {
     assert!(first != expected[0] && first[CHART.index(2, 3)] == 0.0);
 
     let inline = SourceInput::Inline(&place);
-    let of_points = |offset| stage.refused(|r| r.points_at(offset).frame(&frame(&plan, inline)));
+    let of_points =
+        |offset| stage.attempt(|r| r.points_at(offset).frame(&frame(&plan, inline)).unwrap_err());
     let of_sources = |offset| {
         let beyond = SourceInput::BufferAt { number: 0, offset };
-        stage.refused(|r| r.frame(&frame(&plan, beyond)))
+        stage.attempt(|r| r.frame(&frame(&plan, beyond)).unwrap_err())
     };
     for (error, what, reason) in [
         (of_points(3 * PART), "points", "is beyond the"),
@@ -105,7 +94,7 @@ fn each_frame_reads_its_part_of_a_ring() {
         assert!(*of == what && said.contains(reason), "{error}");
     }
     let none = SourceInput::BufferAt { number: 1, offset: 0 };
-    let error = stage.refused(|r| r.frame(&frame(&plan, none)));
+    let error = stage.attempt(|r| r.frame(&frame(&plan, none)).unwrap_err());
     assert!(matches!(error, VulkanError::NoSuch { what: "source buffers", number: 1, .. }));
     stage.end([points, ring]);
 }
@@ -132,9 +121,6 @@ fn points_are_replaced_while_frames_are_in_flight() {
     let plan = stage.plan(Schedule::Raster, Wavefront::Planar, 12);
     let bytes = 4 * CHART.points() as u64;
     let to = [(); 6].map(|()| stage.host.buffer(bytes, true));
-    let layers = vk::ImageSubresourceLayers::default()
-        .aspect_mask(vk::ImageAspectFlags::COLOR)
-        .layer_count(1);
     let mut fences: Vec<vk::Fence> = Vec::new();
     for (turn, to) in to.iter().enumerate() {
         if turn >= 2 {
@@ -148,13 +134,7 @@ fn points_are_replaced_while_frames_are_in_flight() {
         let recording = stage.solver.record(&device, commands, &stage.surface);
         let frame = frame(&plan, SourceInput::Inline(&place)).with_slot(turn % 2);
         let map = recording.frame(&frame).unwrap();
-        let copy = vk::BufferImageCopy::default()
-            .image_subresource(layers)
-            .image_extent(map.extent.into());
-        unsafe {
-            device.cmd_copy_image_to_buffer(commands, map.image, map.layout, to.handle, &[copy]);
-        }
-        stage.host.barrier(commands, Access::TRANSFER_WRITE, Access::HOST_READ);
+        stage.host.copy_image(commands, map, to);
         stage.host.end(commands);
         let fence = unsafe { device.create_fence(&Default::default(), None) }.unwrap();
         stage.host.submit(commands, fence);
@@ -246,10 +226,8 @@ fn curves_and_regions_follow_points_and_sources() {
             for (from, to) in [lines, way].into_iter().zip(&to) {
                 let size = from.vertices_offset
                     + u64::from(from.curves * from.capacity * CurveVertex::BYTES);
-                let copy = vk::BufferCopy::default().size(size.min(1 << 17));
-                unsafe { device.cmd_copy_buffer(commands, from.buffer, to.handle, &[copy]) };
+                stage.host.copy_buffer(commands, from.buffer, to, size.min(1 << 17));
             }
-            stage.host.barrier(commands, Access::TRANSFER_WRITE, Access::HOST_READ);
             Ok::<_, VulkanError>([lines, way])
         })
     };
@@ -298,7 +276,7 @@ fn curves_and_regions_follow_points_and_sources() {
     stage.surface.set_sources(&device, &stage.solver, 0, &sources).unwrap();
     old(draw(&stage, &contours, &paths, 0, here).unwrap_err(), "sources");
     let label = RegionFrame::new(here, Access::HOST_READ);
-    old(stage.refused(|r| r.regions(&regions, &label)), "sources");
+    old(stage.attempt(|r| r.regions(&regions, &label).unwrap_err()), "sources");
     paths.rebind(&device, &stage.solver, &stage.surface).unwrap();
     regions.rebind(&device, &stage.solver, &stage.surface).unwrap();
     let curves = read(draw(&stage, &contours, &paths, 0, here).unwrap());
@@ -309,9 +287,7 @@ fn curves_and_regions_follow_points_and_sources() {
         let recording = stage.solver.record(&device, commands, &stage.surface);
         let label = label.with_reader(Access::TRANSFER_READ);
         recording.regions(&regions, &label).unwrap();
-        let copy = vk::BufferCopy::default().size(labels.bytes);
-        unsafe { device.cmd_copy_buffer(commands, labels.buffer, to[0].handle, &[copy]) };
-        stage.host.barrier(commands, Access::TRANSFER_WRITE, Access::HOST_READ);
+        stage.host.copy_buffer(commands, labels.buffer, &to[0], labels.bytes);
     });
     assert!(to[0].bytes()[..labels.bytes as usize].iter().all(|&byte| byte == 0));
 

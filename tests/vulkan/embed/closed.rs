@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use geosweep::ash::vk;
 use geosweep::glam::DVec3;
-use geosweep::surface::{Direction, Geometry, Gluing, Run};
+use geosweep::surface::{Direction, Gluing, Run};
 use geosweep::vulkan::embed::{
     Access, Frame, MapLimit, PointKind, PointMemory, Points, Reader, SourceInput, SurfaceFrame,
     SurfaceInfo, TargetPoint,
@@ -15,7 +15,7 @@ use geosweep::{Sources, Stop, Surface, Wavefront};
 use crate::common::closed::*;
 use crate::common::parts::{assert_is_part, farthest};
 use crate::common::{Lent, difference, on_cpu, vulkan_solver};
-use crate::embed::stage::{Kept, STOP, Stage, source};
+use crate::embed::stage::{Kept, STOP, Stage, numbers_of, source};
 use crate::host::HostBuffer;
 
 /// Largest difference between maps from the same points: rounding.
@@ -32,41 +32,19 @@ fn all_passes() -> Vec<(Schedule, Wavefront)> {
     SCHEDULES.iter().flat_map(|&schedule| WAVEFRONTS.map(|front| (schedule, front))).collect()
 }
 
-/// Returns the numbers of a surface's points, as a renderer has them, and their kind.
-fn numbers_of(surface: &Surface) -> (PointKind, Vec<f32>) {
-    match surface.geometry() {
-        Geometry::Heights { heights, spacing } => {
-            (PointKind::Heights(*spacing), heights.iter().map(|&height| height as f32).collect())
-        }
-        Geometry::Positions(positions) => {
-            let floats = positions.iter().flat_map(|at| at.as_vec3().to_array());
-            (PointKind::Positions, floats.collect())
-        }
-        Geometry::Metric(_) => unreachable!("no surface here has one"),
-    }
-}
-
 fn points_in(buffer: &HostBuffer, kind: PointKind) -> [Points; 1] {
-    let stride = match kind {
-        PointKind::Positions => 12,
-        _ => 4,
-    };
-    let memory = PointMemory::Buffer { buffer: buffer.handle, offset: 0, stride };
-    [Points { memory, kind, slowness: None }]
+    let stride = if kind == PointKind::Positions { 12 } else { 4 };
+    [Points { kind, ..Points::positions(buffer.handle, stride) }]
 }
 
-/// Returns a stage with a surface whose points lie in the buffer that is returned too.
+/// Returns a stage with a glued surface, whose points are as the surface's.
 pub fn stage_on(
     surface: &Surface,
     gluing: &Gluing,
-    mut host: Lent<Kept>,
+    host: Lent<Kept>,
     passes: &[(Schedule, Wavefront)],
-) -> (Stage, HostBuffer) {
-    let (kind, numbers) = numbers_of(surface);
-    let buffer = host.buffer_of(&numbers);
-    let points = points_in(&buffer, kind);
-    let info = SurfaceInfo::new(surface.chart()).with_points(&points).with_gluing(gluing);
-    (Stage::new(host, passes, &info), buffer)
+) -> Stage {
+    Stage::on(host, passes, (surface, Some(gluing)), numbers_of(surface))
 }
 
 /// Returns a Moebius strip in space.
@@ -100,17 +78,7 @@ fn closed_surfaces() -> Vec<(&'static str, Surface, Gluing, [usize; 2])> {
 fn maps_of_frames_pass_seams() {
     let mut headless = vulkan_solver();
     for (name, surface, gluing, [row, col]) in closed_surfaces() {
-        let (kind, numbers) = numbers_of(&surface);
-        let mut host = Kept::watched();
-        let buffer = host.buffer_of(&numbers);
-        let points = points_in(&buffer, kind);
-        let info = SurfaceInfo::new(surface.chart()).with_points(&points).with_gluing(&gluing);
-        let stage = Stage::new(host, &all_passes(), &info);
-        assert_eq!(
-            stage.solver.bytes_for(&stage.host.device, &info).unwrap(),
-            stage.surface.bytes(),
-            "{name}"
-        );
+        let stage = stage_on(&surface, &gluing, Kept::watched(), &all_passes());
         let seeds = Sources::point(row as f64, col as f64).seeds(&surface).unwrap();
         let mut on_device = headless.upload(&surface).unwrap();
         for (schedule, wavefront) in all_passes() {
@@ -130,7 +98,7 @@ fn maps_of_frames_pass_seams() {
             println!("{name}, {wavefront}, {schedule}: {:.1e} {:.1e}", apart[0], apart[1]);
             assert!(apart.iter().all(|&apart| apart < SAME), "{name}, {wavefront}, {schedule}");
         }
-        stage.end([buffer]);
+        stage.end([]);
     }
 }
 
@@ -141,15 +109,11 @@ fn large_grids_are_measured_over_seams_in_bands() {
     let (rows, cols) = (90, 4001);
     let surface = torus(rows, cols);
     let passes = [(Schedule::Raster, Wavefront::Curved)];
-    let (stage, buffer) = stage_on(&surface, &Gluing::both(), Kept::unwatched(), &passes);
+    let stage = stage_on(&surface, &Gluing::both(), Kept::unwatched(), &passes);
     let method = Method::new(Wavefront::Curved, Stop::after(1)).with_schedule(Schedule::Raster);
     let plan = stage.solver.plan(surface.chart(), method, 1).unwrap().over_seams();
     let (row, col) = (1, 3999);
-    stage.run(|recording| {
-        let sources = source(row as f32, col as f32);
-        let frame = Frame::new(&plan, SourceInput::Inline(&sources), Reader::COPY);
-        recording.frame(&frame.with_points(0))
-    });
+    stage.solve(SourceInput::Inline(&source(row as f32, col as f32)), &plan);
     let mut headless = vulkan_solver();
     let mut on_device = headless.upload(&surface).unwrap();
     let seeds = Sources::point(row as f64, col as f64).seeds(&surface).unwrap();
@@ -157,7 +121,7 @@ fn large_grids_are_measured_over_seams_in_bands() {
     let apart = difference(&map.distances, &stage.read());
     println!("{apart:.1e}");
     assert!(apart < SAME, "{apart:e}");
-    stage.end([buffer]);
+    stage.end([]);
 }
 
 /// The tube bends and twists, without obtuse triangles, and its seam stays closed. One of its points becomes a hole, on
@@ -256,7 +220,7 @@ fn slow_points_in_an_image_pass_seams() {
 #[test]
 fn parts_of_maps_and_added_sources_pass_seams() {
     let surface = torus(25, 38);
-    let (stage, buffer) = stage_on(&surface, &Gluing::both(), Kept::watched(), &all_passes());
+    let stage = stage_on(&surface, &Gluing::both(), Kept::watched(), &all_passes());
     let own = source(6.0, 37.0);
     let start = SourceInput::Inline(&own);
     for (schedule, wavefront) in all_passes() {
@@ -284,32 +248,25 @@ fn parts_of_maps_and_added_sources_pass_seams() {
         let second = source(24.0, 16.0);
         let second = SourceInput::Inline(&second);
         stage.map(0, start, &plan);
-        stage.run(|recording| {
-            recording.begin(Access::NONE);
-            recording.add(second, &plan).unwrap();
-            recording.outcome(0).unwrap();
-            recording.result(0, Reader::COPY, f32::INFINITY)
-        });
-        stage.finish(&plan);
+        let added = stage.add(second, &plan);
         let both = Sources::point(6.0, 37.0).and_point(24.0, 16.0, 0.0);
         let cpu = on_cpu(&surface, &both.seeds(&surface).unwrap(), wavefront, STOP);
-        let apart = difference(&cpu, &stage.read());
+        let apart = difference(&cpu, &added);
         assert!(apart < 1e-4, "{what}: {apart:e}");
     }
-    stage.end([buffer]);
+    stage.end([]);
 }
 
 /// Frames of a glued and an open surface share barriers, and the glued surface has the map that it has alone.
 #[test]
 fn glued_and_open_surfaces_are_recorded_together() {
     let glued = tube(33, 49);
-    let (kind, numbers) = numbers_of(&glued);
-    let mut host = Kept::watched();
-    let buffer = host.buffer_of(&numbers);
-    let (points, gluing) = (points_in(&buffer, kind), Gluing::columns());
-    let open_info = SurfaceInfo::new(glued.chart()).with_points(&points);
-    let mut stage = Stage::new(host, &all_passes(), &open_info.with_gluing(&gluing));
+    let mut stage = stage_on(&glued, &Gluing::columns(), Kept::watched(), &all_passes());
     let device = stage.host.device.clone();
+    let (kind, numbers) = numbers_of(&glued);
+    let buffer = stage.host.buffer_of(&numbers);
+    let points = points_in(&buffer, kind);
+    let open_info = SurfaceInfo::new(glued.chart()).with_points(&points);
     let mut open = stage.solver.surface(&device, stage.host.allocator(), &open_info).unwrap();
     let own = source(12.0, 2.0);
     stage.host.run(|commands| stage.solver.record(&device, commands, &open).prepare());
@@ -340,13 +297,12 @@ fn glued_and_open_surfaces_are_recorded_together() {
 #[test]
 fn what_does_not_fit_is_refused() {
     let surface = tube(33, 49);
-    let chart = surface.chart();
+    let (chart, gluing) = (surface.chart(), Gluing::columns());
+    let passes = [(Schedule::Raster, Wavefront::Curved)];
+    let mut stage = stage_on(&surface, &gluing, Kept::watched(), &passes);
     let (kind, numbers) = numbers_of(&surface);
-    let mut host = Kept::watched();
-    let buffer = host.buffer_of(&numbers);
-    let (points, gluing) = (points_in(&buffer, kind), Gluing::columns());
-    let info = SurfaceInfo::new(chart).with_points(&points).with_gluing(&gluing);
-    let mut stage = Stage::new(host, &[(Schedule::Raster, Wavefront::Curved)], &info);
+    let buffer = stage.host.buffer_of(&numbers);
+    let points = points_in(&buffer, kind);
     let open = stage.plan(Schedule::Raster, Wavefront::Curved, 12);
     let own = source(12.0, 2.0);
     let (device, start) = (stage.host.device.clone(), SourceInput::Inline(&own));
@@ -389,7 +345,7 @@ fn sources_between_points_of_a_seam_are_on_both_sides() {
         (moebius(21, 70), Gluing::flipped_columns(), [3.5, 0.0]),
     ];
     for (surface, gluing, [row, col]) in cases {
-        let (stage, buffer) = stage_on(&surface, &gluing, Kept::watched(), &all_passes());
+        let stage = stage_on(&surface, &gluing, Kept::watched(), &all_passes());
         let seeds = Sources::point(row, col).seeds(&surface).unwrap();
         for (schedule, wavefront) in all_passes() {
             let plan = stage.plan(schedule, wavefront, 12).over_seams();
@@ -400,6 +356,6 @@ fn sources_between_points_of_a_seam_are_on_both_sides() {
             println!("{gluing:?}, {wavefront}, {schedule}: {apart:.1e}");
             assert!(apart < SAME, "{gluing:?}, {wavefront}, {schedule}: {apart:e}");
         }
-        stage.end([buffer]);
+        stage.end([]);
     }
 }

@@ -1,48 +1,70 @@
-//! Costs of frames by count: recorded commands, and bytes that their passes have moved.
+//! Commands of frames, counted while they are recorded, and bytes that their passes have moved. docs/frame-costs.md lists
+//! the commands of each label of a frame, as a tool shows them that captures it, and the costs of whole frames.
 
-use std::ffi::CStr;
+use std::ffi::{CStr, c_char, c_void};
 use std::fmt::Write;
-use std::sync::atomic::{AtomicU32, Ordering};
+use std::mem::{take, transmute};
 use std::sync::{Mutex, PoisonError};
 
 use geosweep::ash::{self, vk};
 use geosweep::surface::Chart;
 use geosweep::vulkan::embed::{
     self, Frame, PointSource, Points, Reader, Recording, SourceInput, SurfaceFrame, SurfaceInfo,
+    Tools,
 };
 use geosweep::vulkan::profile::{Decided, Grain, Profile, Slots};
 use geosweep::vulkan::{Method, Schedule, VulkanError};
 use geosweep::{Stop, Wavefront};
 
-use crate::embed::capture::compare_with_guide;
 use crate::embed::stage::vertices;
 use crate::host::Host;
 
-static DISPATCHES: AtomicU32 = AtomicU32::new(0);
-static BARRIERS: AtomicU32 = AtomicU32::new(0);
-static CLEARS_AND_COPIES: AtomicU32 = AtomicU32::new(0);
-static OTHERS: AtomicU32 = AtomicU32::new(0);
+/// Path of the guide from the package's root, where tests run.
+const GUIDE: &str = "docs/frame-costs.md";
 
-fn count(counter: &AtomicU32) -> vk::Result {
-    counter.fetch_add(1, Ordering::Relaxed);
+/// A label, and the commands between this label and the next one: dispatches, barriers, and others that do something.
+#[derive(Clone, Default)]
+struct Pass {
+    label: String,
+    depth: usize,
+    counts: [u32; 3],
+}
+
+/// What was recorded, and the number of labels that are open.
+static RECORDED: Mutex<(Vec<Pass>, usize)> = Mutex::new((Vec::new(), 0));
+/// Names that were given to objects.
+static NAMES: Mutex<Vec<String>> = Mutex::new(Vec::new());
+/// Lock that makes tests count one at a time.
+static COUNTING: Mutex<()> = Mutex::new(());
+
+fn note(kind: usize) -> vk::Result {
+    let passes = &mut RECORDED.lock().unwrap().0;
+    if passes.is_empty() {
+        passes.push(Pass::default());
+    }
+    passes.last_mut().unwrap().counts[kind] += 1;
     vk::Result::SUCCESS
 }
 
 extern "system" fn dispatch() -> vk::Result {
-    count(&DISPATCHES)
+    note(0)
 }
 
 extern "system" fn barrier() -> vk::Result {
-    count(&BARRIERS)
+    note(1)
 }
 
 extern "system" fn clear_or_copy() -> vk::Result {
-    count(&CLEARS_AND_COPIES)
+    note(2)
 }
 
-/// Replaces all other commands, among them binding and pushing, which cost next to nothing.
-extern "system" fn other() -> vk::Result {
-    count(&OTHERS)
+/// Replaces binding and pushing, which cost next to nothing.
+extern "system" fn free() -> vk::Result {
+    vk::Result::SUCCESS
+}
+
+extern "system" fn unknown() -> vk::Result {
+    panic!("a command that the guide's table has no column for");
 }
 
 /// Returns a replacement that counts a command and does nothing else.
@@ -54,30 +76,156 @@ fn counting(name: &CStr) -> Option<extern "system" fn() -> vk::Result> {
         | b"vkCmdUpdateBuffer"
         | b"vkCmdCopyBuffer"
         | b"vkCmdClearColorImage" => clear_or_copy,
-        b"vkCmdBindPipeline" | b"vkCmdBindDescriptorSets" | b"vkCmdPushConstants" => other,
+        b"vkCmdBindPipeline" | b"vkCmdBindDescriptorSets" | b"vkCmdPushConstants" => free,
         name if name.starts_with(b"vkCmd") => unknown,
         _ => return None,
     })
 }
 
-extern "system" fn unknown() -> vk::Result {
-    panic!("a command that the guide's table has no column for");
+unsafe extern "system" fn begin_label(
+    _: vk::CommandBuffer,
+    label: *const vk::DebugUtilsLabelEXT<'_>,
+) {
+    let label = unsafe { CStr::from_ptr((*label).p_label_name) }.to_str().unwrap().to_owned();
+    let (passes, depth) = &mut *RECORDED.lock().unwrap();
+    passes.push(Pass { label, depth: *depth, ..Pass::default() });
+    *depth += 1;
 }
 
-fn taken(counter: &AtomicU32) -> u32 {
-    counter.swap(0, Ordering::Relaxed)
+unsafe extern "system" fn end_label(_: vk::CommandBuffer) {
+    RECORDED.lock().unwrap().1 -= 1;
 }
 
-/// Lock that makes tests count one at a time.
-static COUNTING: Mutex<()> = Mutex::new(());
+unsafe extern "system" fn name_object(
+    _: vk::Device,
+    info: *const vk::DebugUtilsObjectNameInfoEXT<'_>,
+) -> vk::Result {
+    let given = unsafe { &*info };
+    let text = unsafe { CStr::from_ptr(given.p_object_name) }.to_str().unwrap();
+    NAMES.lock().unwrap().push(format!("{:?} {text}", given.object_type));
+    vk::Result::SUCCESS
+}
 
-/// Returns the numbers of recorded dispatches, barriers and other commands.
-fn counted(host: &Host, record: impl FnOnce(&ash::Device)) -> [u32; 3] {
+/// Returns the functions of `VK_EXT_debug_utils` by their names.
+unsafe extern "system" fn debug_utils(
+    _: vk::Device,
+    name: *const c_char,
+) -> vk::PFN_vkVoidFunction {
+    let own = match unsafe { CStr::from_ptr(name) }.to_bytes() {
+        b"vkCmdBeginDebugUtilsLabelEXT" => begin_label as *const c_void,
+        b"vkCmdEndDebugUtilsLabelEXT" => end_label as *const c_void,
+        b"vkSetDebugUtilsObjectNameEXT" => name_object as *const c_void,
+        _ => return None,
+    };
+    // SAFETY: the function is called with the type of its name.
+    unsafe { transmute::<*const c_void, vk::PFN_vkVoidFunction>(own) }
+}
+
+/// Returns the commands that are recorded with a device that only counts them.
+fn counted(host: &Host, record: impl FnOnce(&ash::Device, vk::CommandBuffer)) -> Vec<Pass> {
     let _alone = COUNTING.lock().unwrap_or_else(PoisonError::into_inner);
-    record(&host.device_with(counting));
-    let [dispatches, barriers, others, _] =
-        [&DISPATCHES, &BARRIERS, &CLEARS_AND_COPIES, &OTHERS].map(taken);
-    [dispatches, barriers, others]
+    record(&host.device_with(counting), vk::CommandBuffer::null());
+    take(&mut RECORDED.lock().unwrap().0)
+}
+
+/// Returns the numbers of dispatches, barriers and other commands.
+fn sum(passes: &[Pass]) -> [u32; 3] {
+    [0, 1, 2].map(|kind| passes.iter().map(|pass| pass.counts[kind]).sum())
+}
+
+/// Returns a list with one line for each run of equal labels.
+fn listing(passes: &[Pass]) -> String {
+    let mut text = format!(
+        "{:24} {:>6} {:>10} {:>8} {:>6}\n",
+        "", "passes", "dispatches", "barriers", "others"
+    );
+    let is_run = |a: &Pass, b: &Pass| a.label == b.label && b.depth > 0;
+    for run in passes.chunk_by(is_run) {
+        let label = format!("{}{}", "  ".repeat(run[0].depth), run[0].label);
+        let [dispatches, barriers, others] = sum(run);
+        let count = run.len();
+        writeln!(text, "{label:24} {count:>6} {dispatches:>10} {barriers:>8} {others:>6}").unwrap();
+    }
+    let [dispatches, barriers, others] = sum(passes);
+    writeln!(text, "{:31} {dispatches:>10} {barriers:>8} {others:>6}", "in all").unwrap();
+    text
+}
+
+/// Compares the guide's block of this kind with `found`. If `GEOSWEEP_UPDATE_GUIDE` is set, writes the block
+/// anew.
+fn compare_with_guide(kind: &str, found: &str, is_same_device: bool) {
+    // Lock of the guide, so that one test at a time reads and writes it.
+    static GUIDE_IS_OPEN: Mutex<()> = Mutex::new(());
+    let _open = GUIDE_IS_OPEN.lock();
+    let guide = std::fs::read_to_string(GUIDE).unwrap();
+    let fence = format!("```{kind}\n");
+    let (before, rest) = guide.split_once(&fence).expect("the guide has such a block");
+    let (listed, after) = rest.split_once("```").unwrap();
+    if std::env::var_os("GEOSWEEP_UPDATE_GUIDE").is_some() {
+        std::fs::write(GUIDE, format!("{before}{fence}{found}```{after}")).unwrap();
+    } else if is_same_device {
+        assert!(listed == found, "renew it with GEOSWEEP_UPDATE_GUIDE=1\n{listed}\n{found}");
+    }
+}
+
+/// The guide's listing equals that of a frame. If `GEOSWEEP_UPDATE_GUIDE` is set, the test writes the listing
+/// anew. All objects in a capture have names.
+#[test]
+fn a_capture_of_a_frame_is_as_the_guide_lists_it() {
+    let mut host = Host::without_validation();
+    let device = host.device.clone();
+    let entry = unsafe { ash::Entry::load() }.unwrap();
+    let handle = host.instance.handle();
+    let instance = unsafe {
+        let load = |name: &CStr| match name == c"vkGetDeviceProcAddr" {
+            true => debug_utils as *const c_void,
+            false => transmute::<vk::PFN_vkVoidFunction, *const c_void>(
+                entry.get_instance_proc_addr(handle, name.as_ptr()),
+            ),
+        };
+        ash::Instance::load_with(load, handle)
+    };
+    let chart = Chart { rows: 64, cols: 64 };
+    let points = host.buffer_of(&vertices(chart, 0.4));
+    let passes = [(Schedule::Raster, Wavefront::Curved)];
+    let tools = Tools { labels: true, ..Tools::default() };
+    let physical_device = host.physical_device;
+    let mut solver =
+        embed::Solver::with_tools(&instance, physical_device, &device, &passes, tools).unwrap();
+    let inputs = [Points::positions(points.handle, 32)];
+    let info = SurfaceInfo::new(chart).with_points(&inputs);
+    let mut surface = solver.surface(&device, host.allocator(), &info).unwrap();
+    let method = Method::new(Wavefront::Curved, Stop::within(1e-4).or_after(100));
+    let plan = solver.plan(chart, method, 4).unwrap();
+    let prepared = counted(&host, |device, commands| {
+        solver.record(device, commands, &surface).prepare();
+    });
+    assert_eq!(sum(&prepared)[0], 0, "nothing is dispatched in vain");
+    let sources = [PointSource::at(20.5, 31.25)];
+    let frame = Frame::new(&plan, SourceInput::Inline(&sources), Reader::FRAGMENT)
+        .with_points(0)
+        .with_unreached(-1.0);
+    let found = counted(&host, |device, commands| {
+        solver.record(device, commands, &surface).frame(&frame).unwrap();
+    });
+    // Devices differ in the number of lines that a dispatch scans.
+    compare_with_guide("capture", &listing(&found), host.is_processor());
+    let names = NAMES.lock().unwrap().clone();
+    for kind in [
+        "PIPELINE ",
+        "PIPELINE_LAYOUT ",
+        "DESCRIPTOR_SET_LAYOUT ",
+        "DESCRIPTOR_SET ",
+        "IMAGE ",
+        "IMAGE_VIEW ",
+        "BUFFER ",
+    ] {
+        assert!(names.iter().any(|name| name.starts_with(kind)), "{kind}: {names:#?}");
+    }
+    assert!(names.iter().all(|name| name.contains(" geosweep: ")), "{names:#?}");
+    surface.destroy(&device, host.allocator());
+    solver.destroy(&device);
+    host.free(points);
 }
 
 /// Returns a row of the table, for a frame with new points and a source between grid points.
@@ -118,9 +266,9 @@ fn row(host: &mut Host, solver: &embed::Solver, schedule: Schedule, side: usize)
     let moved: Option<u64> = resolved.passes.iter().map(|pass| pass.work.bytes()).sum();
     let moved = moved.expect("all passes of a frame are counted");
 
-    let [dispatches, barriers, others] = counted(host, |device| {
-        frame(solver.record(device, vk::CommandBuffer::null(), &surface)).unwrap();
-    });
+    let [dispatches, barriers, others] = sum(&counted(host, |device, commands| {
+        frame(solver.record(device, commands, &surface)).unwrap();
+    }));
     surface.destroy(&device, host.allocator());
     host.free(points);
     host.free(decisions);
@@ -198,18 +346,17 @@ fn frames_recorded_together_share_their_barriers() {
             let frame = Frame::new(&plan, SourceInput::Inline(&source), Reader::FRAGMENT)
                 .with_points(0)
                 .with_unreached(-1.0);
-            let none = vk::CommandBuffer::null();
-            let [dispatches, barriers, others] = counted(&host, |device| {
-                solver.record(device, none, &surfaces[0]).frame(&frame).unwrap();
-            });
+            let [dispatches, barriers, others] = sum(&counted(&host, |device, commands| {
+                solver.record(device, commands, &surfaces[0]).frame(&frame).unwrap();
+            }));
             for &count in counts {
                 let frames: Vec<_> = surfaces[..count]
                     .iter()
                     .map(|surface| SurfaceFrame::new(surface, frame))
                     .collect();
-                let together = counted(&host, |device| {
-                    solver.record_frames(device, none, &frames).unwrap();
-                });
+                let together = sum(&counted(&host, |device, commands| {
+                    solver.record_frames(device, commands, &frames).unwrap();
+                }));
                 let n = count as u32;
                 let shared = n.div_ceil(64);
                 assert_eq!(

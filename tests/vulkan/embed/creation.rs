@@ -23,7 +23,7 @@ const PASSES: [(Schedule, Wavefront); 2] =
     [(Schedule::Raster, Wavefront::Curved), (Schedule::Tiles, Wavefront::Planar)];
 
 static REAL: OnceLock<ash::Device> = OnceLock::new();
-/// Contents of modules, set layouts and pipeline layouts, by their handles.
+/// Contents of modules, by their handles.
 static CONTENTS: Mutex<Option<HashMap<u64, u64>>> = Mutex::new(None);
 /// Contents of pipelines, in the order of their creation, with their caches.
 static PIPELINES: Mutex<Vec<(u64, vk::PipelineCache)>> = Mutex::new(Vec::new());
@@ -58,46 +58,6 @@ unsafe extern "system" fn module(
     }
 }
 
-unsafe extern "system" fn set_layout(
-    device: vk::Device,
-    info: *const vk::DescriptorSetLayoutCreateInfo<'_>,
-    callbacks: Callbacks<'_>,
-    made: *mut vk::DescriptorSetLayout,
-) -> vk::Result {
-    unsafe {
-        let real = REAL.get().unwrap().fp_v1_0().create_descriptor_set_layout;
-        let result = real(device, info, callbacks, made);
-        let bindings = match (*info).binding_count {
-            0 => &[],
-            count => from_raw_parts((*info).p_bindings, count as usize),
-        };
-        let of = |b: &vk::DescriptorSetLayoutBinding<'_>| {
-            (b.binding, b.descriptor_type, b.descriptor_count, b.stage_flags)
-        };
-        note((*made).as_raw(), hash(bindings.iter().map(of).collect::<Vec<_>>()));
-        result
-    }
-}
-
-unsafe extern "system" fn layout(
-    device: vk::Device,
-    info: *const vk::PipelineLayoutCreateInfo<'_>,
-    callbacks: Callbacks<'_>,
-    made: *mut vk::PipelineLayout,
-) -> vk::Result {
-    unsafe {
-        let real = REAL.get().unwrap().fp_v1_0().create_pipeline_layout;
-        let result = real(device, info, callbacks, made);
-        let sets = from_raw_parts((*info).p_set_layouts, (*info).set_layout_count as usize);
-        let sets: Vec<_> = sets.iter().map(|set| contents(set.as_raw())).collect();
-        let ranges = (*info).push_constant_range_count as usize;
-        let ranges = from_raw_parts((*info).p_push_constant_ranges, ranges);
-        let of = |r: &vk::PushConstantRange| (r.stage_flags, r.offset, r.size);
-        note((*made).as_raw(), hash((sets, ranges.iter().map(of).collect::<Vec<_>>())));
-        result
-    }
-}
-
 unsafe extern "system" fn pipelines(
     device: vk::Device,
     cache: vk::PipelineCache,
@@ -117,8 +77,8 @@ unsafe extern "system" fn pipelines(
             };
             let of = |e: &vk::SpecializationMapEntry| (e.constant_id, e.offset, e.size);
             let entries: Vec<_> = entries.iter().map(of).collect();
-            let [module, layout] = [info.stage.module.as_raw(), info.layout.as_raw()].map(contents);
-            let contents = hash((module, layout, info.flags, entries, data));
+            let module = contents(info.stage.module.as_raw());
+            let contents = hash((module, info.flags, entries, data));
             PIPELINES.lock().unwrap().push((contents, cache));
         }
         let real = REAL.get().unwrap().fp_v1_0().create_compute_pipelines;
@@ -136,8 +96,6 @@ fn a_second_solver_makes_nothing_that_the_cache_does_not_hold() {
     let device = host.device_with(|name| {
         let own = match name.to_bytes() {
             b"vkCreateShaderModule" => module as *const c_void,
-            b"vkCreateDescriptorSetLayout" => set_layout as *const c_void,
-            b"vkCreatePipelineLayout" => layout as *const c_void,
             b"vkCreateComputePipelines" => pipelines as *const c_void,
             _ => return None,
         };

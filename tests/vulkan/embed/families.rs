@@ -5,7 +5,7 @@ use std::mem::{take, transmute};
 
 use geosweep::ash::vk::{self, Handle};
 
-use crate::embed::queues::{Renderer, Way};
+use crate::embed::frames::{Renderer, Way};
 use crate::host::Host;
 use crate::host::queues::{Place, choose, counts};
 

@@ -12,7 +12,7 @@ use geosweep::vulkan::{HeadlessSolver, Method, Schedule};
 use geosweep::{MetricTensor, Sources, Spacing, Surface, Wavefront};
 
 use crate::common::{difference, vulkan_solver};
-use crate::embed::stage::{Kept, RASTER, STOP, Stage, source, vertices};
+use crate::embed::stage::{Kept, RASTER, STOP, Stage, numbers_of, source, vertices};
 use crate::host::Host;
 
 const CHART: Chart = Chart { rows: 31, cols: 45 };
@@ -20,8 +20,10 @@ const CHART: Chart = Chart { rows: 31, cols: 45 };
 /// their twin.
 const SAME: f64 = 1e-5;
 
+/// Returns the surface of some vertices, with holes where a coordinate is no usable number.
 fn positions(vertices: &[f32]) -> Surface {
-    let position = |v: &[f32]| DVec3::new(v[0].into(), v[1].into(), v[2].into());
+    let usable = |x: f32| if x.abs() <= 1e12 { f64::from(x) } else { f64::NAN };
+    let position = |v: &[f32]| DVec3::new(usable(v[0]), usable(v[1]), usable(v[2]));
     let positions = vertices.chunks(8).map(position).collect();
     Surface::from_positions(CHART.rows, CHART.cols, positions).unwrap()
 }
@@ -60,11 +62,7 @@ fn with_holes(mut vertices: Vec<f32>) -> Vec<f32> {
 fn positions_in_a_buffer_or_an_image_give_the_headless_map() {
     let mut solver = vulkan_solver();
     let vertices = with_holes(vertices(CHART, 0.4));
-    let surface = {
-        let mut holes = vertices.clone();
-        holes.iter_mut().filter(|v| v.abs() > 1e12).for_each(|v| *v = f32::NAN);
-        positions(&holes)
-    };
+    let surface = positions(&vertices);
     let texels: Vec<f32> = vertices.chunks(8).flat_map(|v| [v[0], v[1], v[2], f32::NAN]).collect();
     for edge_rule in [EdgeRule::Arc, EdgeRule::Chord] {
         let mut host = Kept::watched();
@@ -93,15 +91,10 @@ fn positions_in_a_buffer_or_an_image_give_the_headless_map() {
     }
 }
 
+/// The small slowness is that of light, in seconds per metre.
 #[test]
 fn heights_with_slowness_give_the_headless_map() {
-    heights_with_slowness(1.0);
-}
-
-/// The slowness is that of light, in seconds per metre.
-#[test]
-fn small_slownesses_give_the_headless_map() {
-    heights_with_slowness(3.3e-9);
+    [1.0, 3.3e-9].into_iter().for_each(heights_with_slowness);
 }
 
 /// Compares maps with a slowness times `unit`, with a negative value and NaN, and with a patch of 0 if `unit`
@@ -171,21 +164,13 @@ fn a_metric_gives_the_headless_map() {
     let mut solver = vulkan_solver();
     let tensor = |index: usize| {
         let (row, col) = CHART.position(index);
-        let rr = if index == 700 { f32::NAN } else { 1.0 + 0.02 * row as f32 };
-        [rr, 0.3 * (0.1 * col as f32).sin(), 2.0 - 0.03 * col as f32]
+        let rr = if index == 700 { f64::NAN } else { 1.0 + 0.02 * row as f64 };
+        MetricTensor { rr, rc: 0.3 * (0.1 * col as f64).sin(), cc: 2.0 - 0.03 * col as f64 }
     };
-    let tensors: Vec<_> = (0..CHART.points()).map(tensor).collect();
-    let metric =
-        |[rr, rc, cc]: [f32; 3]| MetricTensor { rr: rr.into(), rc: rc.into(), cc: cc.into() };
-    let metric = tensors.iter().copied().map(metric).collect();
+    let metric = (0..CHART.points()).map(tensor).collect();
     let surface = Surface::from_metric(CHART.rows, CHART.cols, metric).unwrap();
-
-    let mut host = Kept::watched();
-    let buffer = host.buffer_of(tensors.as_flattened());
-    let memory = PointMemory::Buffer { buffer: buffer.handle, offset: 0, stride: 12 };
-    let points = [Points { memory, kind: PointKind::Metric, slowness: None }];
-    let info = SurfaceInfo::new(CHART).with_points(&points);
-    let stage = Stage::new(host, &RASTER, &info);
+    let numbers = numbers_of(&surface);
+    let stage = Stage::on(Kept::watched(), &RASTER, (&surface, None), numbers);
     for wavefront in Wavefront::FOR_ANY_SURFACE {
         let plan = stage.plan(Schedule::Raster, wavefront, 6);
         let map = headless(&mut solver, &surface, &Sources::point(12.0, 30.0), wavefront);
@@ -193,7 +178,7 @@ fn a_metric_gives_the_headless_map() {
         let difference = difference(&map, &own);
         assert!(difference < SAME, "{wavefront}: {difference}");
     }
-    stage.end([buffer]);
+    stage.end([]);
 }
 
 /// Sources anywhere: on grid points, on edges, in cells, in cells with a missing corner, many in one texel,
@@ -202,11 +187,7 @@ fn a_metric_gives_the_headless_map() {
 fn sources_from_the_program_or_a_buffer_give_the_headless_map() {
     let mut solver = vulkan_solver();
     let vertices = with_holes(vertices(CHART, 0.4));
-    let surface = {
-        let mut holes = vertices.clone();
-        holes.iter_mut().filter(|v| v.abs() > 1e12).for_each(|v| *v = f32::NAN);
-        positions(&holes).with_edge_rule(EdgeRule::Chord)
-    };
+    let surface = positions(&vertices).with_edge_rule(EdgeRule::Chord);
     // Point 700 is row 15, column 25.
     let few = [[4.0, 5.0], [4.5, 5.0], [4.25, 5.75], [20.0, 11.125], [0.0, 44.0], [30.0, 43.5]];
     let beside_a_hole = [[14.25, 24.5], [15.875, 25.75]];
@@ -284,14 +265,9 @@ fn sources_from_the_program_or_a_buffer_give_the_headless_map() {
 #[test]
 fn every_schedule_can_be_split_and_added_to() {
     let mut solver = vulkan_solver();
-    let vertices = vertices(CHART, 1.4);
-    let surface = positions(&vertices);
-    let mut host = Kept::watched();
-    let points = host.buffer_of(&vertices);
-    let inputs = [Points::positions(points.handle, 32)];
-    let info = SurfaceInfo::new(CHART).with_points(&inputs);
+    let surface = positions(&vertices(CHART, 1.4));
     let passes = Schedule::ALL.map(|schedule| (schedule, Wavefront::Curved));
-    let stage = Stage::new(host, &passes, &info);
+    let stage = Stage::of_waves(Kept::watched(), &passes, SurfaceInfo::new(CHART), 1.4);
     let both = Sources::point(5.0, 7.0).and_point(28.0, 40.0, 0.0);
     let [one, both] = [Sources::point(5.0, 7.0), both]
         .map(|sources| headless(&mut solver, &surface, &sources, Wavefront::Curved));
@@ -316,14 +292,8 @@ fn every_schedule_can_be_split_and_added_to() {
         stage.run(resume);
         assert_eq!((stage.read(), stage.surface.outcome(0).unwrap()), (own, done), "{schedule}");
 
-        stage.run(|recording| {
-            recording.begin(Access::NONE);
-            recording.add(SourceInput::Inline(&source(28.0, 40.0)), &plan).unwrap();
-            recording.outcome(0).unwrap();
-            recording.result(0, Reader::COPY, f32::INFINITY)
-        });
-        stage.finish(&plan);
-        let apart = difference(&both, &stage.read());
+        let added = stage.add(SourceInput::Inline(&source(28.0, 40.0)), &plan);
+        let apart = difference(&both, &added);
         assert!(apart < SAME, "{schedule}, added: {apart}");
 
         // Further recordings may be of any length.
@@ -344,22 +314,8 @@ fn every_schedule_can_be_split_and_added_to() {
             // Rounds lead to the same map, however recordings divide them.
             assert_eq!(by_others.iterations, done.iterations);
         }
-
-        // The map is the same if one command buffer has all iterations.
-        stage.run(|recording| {
-            recording.begin(Access::NONE);
-            recording.solve(SourceInput::Inline(&source(5.0, 7.0)), &plan).unwrap();
-            for _ in 0..done.iterations.div_ceil(portion) {
-                recording.resume(&plan).unwrap();
-            }
-            recording.outcome(0).unwrap();
-            recording.result(0, Reader::COPY, f32::INFINITY)
-        });
-        assert!(stage.surface.outcome(0).unwrap().converged);
-        let difference = difference(&one, &stage.read());
-        assert!(difference < SAME, "{schedule}, in one: {difference}");
     }
-    stage.end([points]);
+    stage.end([]);
 }
 
 /// A command buffer that is recorded once is submitted for other points and sources, which it reads from
@@ -400,12 +356,8 @@ fn a_recording_can_be_submitted_again() {
 /// Iterations end at the method's limit, which is not convergence.
 #[test]
 fn iterations_run_out_without_convergence() {
-    let mut host = Kept::watched();
-    let points = host.buffer_of(&vertices(CHART, 0.0));
-    let inputs = [Points::positions(points.handle, 32)];
-    let info = SurfaceInfo::new(CHART).with_points(&inputs);
     let passes = Schedule::ALL.map(|schedule| (schedule, Wavefront::Planar));
-    let stage = Stage::new(host, &passes, &info);
+    let stage = Stage::of_waves(Kept::watched(), &passes, SurfaceInfo::new(CHART), 0.0);
     for (schedule, wavefront) in passes {
         let stop = Stop::within(1e-6).or_after(3);
         let method = Method::new(wavefront, stop).with_schedule(schedule);
@@ -432,7 +384,7 @@ fn iterations_run_out_without_convergence() {
             }
         }
     }
-    stage.end([points]);
+    stage.end([]);
 }
 
 /// Several readings are compared with the image: distances at some places, the packed times, the outcome in a

@@ -3,12 +3,10 @@
 use geosweep::Wavefront;
 use geosweep::surface::Chart;
 use geosweep::vulkan::Schedule;
-use geosweep::vulkan::embed::{
-    Frame, MapLimit, Points, Reader, SourceInput, SurfaceInfo, TargetPoint,
-};
+use geosweep::vulkan::embed::{Frame, MapLimit, Reader, SourceInput, SurfaceInfo, TargetPoint};
 
 use crate::common::parts::{assert_is_part, farthest};
-use crate::embed::stage::{Kept, Stage, source, vertices};
+use crate::embed::stage::{Kept, Stage, source};
 
 const CHART: Chart = Chart { rows: 150, cols: 190 };
 
@@ -28,11 +26,7 @@ fn limited(
 #[test]
 fn a_radius_and_targets_change_from_frame_to_frame() {
     let passes = Schedule::ALL.map(|schedule| (schedule, Wavefront::Curved));
-    let mut host = Kept::watched();
-    let buffer = host.buffer_of(&vertices(CHART, 0.4));
-    let points = [Points::positions(buffer.handle, 32)];
-    let info = SurfaceInfo::new(CHART).with_points(&points);
-    let stage = Stage::new(host, &passes, &info);
+    let stage = Stage::of_waves(Kept::watched(), &passes, SurfaceInfo::new(CHART), 0.4);
     for (schedule, wavefront) in passes {
         let plan = stage.plan(schedule, wavefront, 16);
         let sources = source(60.0, 80.0);
@@ -60,16 +54,13 @@ fn a_radius_and_targets_change_from_frame_to_frame() {
         let (again, _) = limited(&stage, &plan, MapLimit::NONE);
         assert!(again == whole, "{schedule}");
     }
-    stage.end([buffer]);
+    stage.end([]);
 }
 
 #[test]
 fn a_limit_that_cannot_be_is_refused() {
-    let mut host = Kept::watched();
-    let buffer = host.buffer_of(&vertices(CHART, 0.4));
-    let points = [Points::positions(buffer.handle, 32)];
-    let info = SurfaceInfo::new(CHART).with_points(&points);
-    let stage = Stage::new(host, &[(Schedule::Tiles, Wavefront::Curved)], &info);
+    let passes = [(Schedule::Tiles, Wavefront::Curved)];
+    let stage = Stage::of_waves(Kept::watched(), &passes, SurfaceInfo::new(CHART), 0.4);
     let plan = stage.plan(Schedule::Tiles, Wavefront::Curved, 16);
     let sources = source(60.0, 80.0);
     stage.map(0, SourceInput::Inline(&sources), &plan);
@@ -88,5 +79,5 @@ fn a_limit_that_cannot_be_is_refused() {
             recording.frame(&Frame::new(&plan, sources, Reader::COPY))
         });
     }
-    stage.end([buffer]);
+    stage.end([]);
 }

@@ -9,10 +9,10 @@ use geosweep::vulkan::embed::{
     SourceInput, StartInput, SurfaceInfo,
 };
 use geosweep::vulkan::{Schedule, VulkanError};
-use geosweep::{Spacing, Wavefront};
+use geosweep::{Spacing, Surface, Wavefront};
 
-use crate::embed::stage::{Kept, RASTER, Stage, source, vertices};
-use crate::host::{Host, HostBuffer};
+use crate::embed::stage::{Kept, RASTER, Stage, numbers_of, source, vertices};
+use crate::host::Host;
 
 pub const CHART: Chart = Chart { rows: 17, cols: 21 };
 
@@ -21,13 +21,9 @@ pub fn frame<'a>(plan: &'a embed::Plan, sources: &'a [PointSource]) -> Frame<'a>
     Frame::new(plan, SourceInput::Inline(sources), Reader::COPY).with_points(0)
 }
 
-/// Returns a stage with a surface of `slots` slots, and the buffer of the surface's vertices.
-pub fn stage(slots: usize) -> (Stage, HostBuffer) {
-    let mut host = Kept::watched();
-    let points = host.buffer_of(&vertices(CHART, 0.3));
-    let inputs = [Points::positions(points.handle, 32)];
-    let info = SurfaceInfo::new(CHART).with_slots(slots).with_points(&inputs);
-    (Stage::new(host, &RASTER, &info), points)
+/// Returns a stage with a surface of `slots` slots.
+pub fn stage(slots: usize) -> Stage {
+    Stage::of_waves(Kept::watched(), &RASTER, SurfaceInfo::new(CHART).with_slots(slots), 0.3)
 }
 
 impl Stage {
@@ -58,8 +54,9 @@ macro_rules! assert_all {
 
 #[test]
 fn an_unprepared_surface_takes_nothing() {
-    let (mut stage, points) = stage(1);
+    let mut stage = stage(1);
     let device = stage.host.device.clone();
+    let points = stage.host.buffer_of(&vertices(CHART, 0.3));
     let inputs = [Points::positions(points.handle, 32)];
     let info = SurfaceInfo::new(CHART).with_points(&inputs);
     let new = stage.solver.surface(&device, stage.host.allocator(), &info).unwrap();
@@ -91,11 +88,7 @@ fn an_unprepared_surface_takes_nothing() {
 /// refused if the solver had no curved fronts when it measured the points, since it then measured no curvatures.
 #[test]
 fn maps_need_measured_edges() {
-    let mut host = Host::new();
-    let points = host.buffer_of(&vertices(CHART, 0.3));
-    let inputs = [Points::positions(points.handle, 32)];
-    let info = SurfaceInfo::new(CHART).with_points(&inputs);
-    let mut stage = Stage::new(host, &RASTER[..1], &info);
+    let mut stage = Stage::of_waves(Host::new(), &RASTER[..1], SurfaceInfo::new(CHART), 0.3);
     let planar = stage.plan(Schedule::Raster, Wavefront::Planar, 4);
     let sources = source(3.0, 4.0);
     let unchanged = |plan| frame(plan, &sources).with_points(None);
@@ -120,7 +113,7 @@ fn maps_need_measured_edges() {
         r.frame(&frame(&curved, &sources)).unwrap();
         r.frame(&unchanged(&curved)).unwrap();
     });
-    stage.end([points]);
+    stage.end([]);
 }
 
 #[test]
@@ -198,8 +191,9 @@ fn missing_and_other_maps_are_not_read() {
 
 #[test]
 fn ranges_beyond_a_buffer_are_refused() {
-    let (mut stage, points) = stage(1);
+    let mut stage = stage(1);
     let device = stage.host.device.clone();
+    let points = stage.host.buffer_of(&vertices(CHART, 0.3));
     // A buffer of 96 bytes, which drivers may round up.
     let (small, count) = (stage.host.buffer_of(&[0.0; 24]), CHART.points() as u64);
     let handle = small.handle;
@@ -387,30 +381,27 @@ fn facts_that_only_the_device_knows_are_in_the_outcome() {
 #[test]
 fn holes_of_bands_count_once() {
     let chart = Chart { rows: 700, cols: 500 };
-    let mut host = Kept::unwatched();
     let holes =
         [0, 499, 500 * 233, 500 * 234 + 3, 500 * 235, 500 * 466 + 1, 500 * 467, 500 * 700 - 1];
-    let mut heights = vec![1.0f32; chart.points()];
-    holes.iter().for_each(|&hole| heights[hole] = f32::NAN);
-    let points = host.buffer_of(&heights);
-    let memory = PointMemory::Buffer { buffer: points.handle, offset: 0, stride: 4 };
-    let kind = PointKind::Heights(Spacing::square(1.0));
-    let inputs = [Points { memory, kind, slowness: None }];
-    let info = SurfaceInfo::new(chart).with_points(&inputs);
-    let stage = Stage::new(host, &RASTER[..1], &info);
+    let mut heights = vec![1.0; chart.points()];
+    holes.iter().for_each(|&hole| heights[hole] = f64::NAN);
+    let surface = Surface::from_heights(chart.rows, chart.cols, heights, Spacing::square(1.0));
+    let surface = surface.unwrap();
+    let (host, numbers) = (Kept::unwatched(), numbers_of(&surface));
+    let stage = Stage::on(host, &RASTER[..1], (&surface, None), numbers);
     let plan = stage.plan(Schedule::Raster, Wavefront::Planar, 1);
     let sources = source(3.0, 4.0);
     stage.submit(|r| {
         r.frame(&frame(&plan, &sources)).unwrap();
     });
     assert_eq!(stage.surface.outcome(0).unwrap().holes, holes.len() as u32);
-    stage.end([points]);
+    stage.end([]);
 }
 
 /// The recording that measures is discarded, and the recording after it runs.
 #[test]
 fn edges_that_were_never_measured_on_the_device_show() {
-    let (stage, points) = stage(1);
+    let stage = stage(1);
     let plan = stage.plan(Schedule::Raster, Wavefront::Curved, 4);
     let sources = source(3.0, 4.0);
     stage.attempt(|r| r.measure(0)).unwrap();
@@ -419,7 +410,7 @@ fn edges_that_were_never_measured_on_the_device_show() {
     });
     let outcome = stage.surface.outcome(0).unwrap();
     assert!(!outcome.measured && !outcome.converged, "{outcome:?}");
-    stage.end([points]);
+    stage.end([]);
 }
 
 /// No Vulkan call returns the state of a command buffer, but the layers report it. A recording into a command
@@ -433,10 +424,7 @@ fn a_recording_at_the_wrong_place_is_reported_by_the_layers() {
     }
     let image = host.image_of(8, 8, 1, &[0.0; 64]);
     let target = host.target(&image, 8, 8);
-    let points = host.buffer_of(&vertices(CHART, 0.3));
-    let inputs = [Points::positions(points.handle, 32)];
-    let info = SurfaceInfo::new(CHART).with_points(&inputs);
-    let mut stage = Stage::new(host, &RASTER[..1], &info);
+    let mut stage = Stage::of_waves(host, &RASTER[..1], SurfaceInfo::new(CHART), 0.3);
     let plan = stage.plan(Schedule::Raster, Wavefront::Planar, 2);
     let sources = source(3.0, 4.0);
     let said = |commands| {
@@ -455,5 +443,5 @@ fn a_recording_at_the_wrong_place_is_reported_by_the_layers() {
     stage.host.end(commands);
     stage.host.free_target(target);
     stage.host.free_image(image);
-    stage.take_down([points]);
+    stage.take_down([]);
 }

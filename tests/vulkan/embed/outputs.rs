@@ -103,18 +103,6 @@ const LEVEL: vk::ImageSubresourceRange = vk::ImageSubresourceRange {
     layer_count: 1,
 };
 
-fn copy(host: &Host, commands: vk::CommandBuffer, from: embed::ResultImage, to: vk::Buffer) {
-    let layers = vk::ImageSubresourceLayers::default()
-        .aspect_mask(vk::ImageAspectFlags::COLOR)
-        .layer_count(1);
-    let copy =
-        vk::BufferImageCopy::default().image_subresource(layers).image_extent(from.extent.into());
-    unsafe {
-        host.device.cmd_copy_image_to_buffer(commands, from.image, from.layout, to, &[copy]);
-    }
-    host.barrier(commands, Access::TRANSFER_WRITE, Access::HOST_READ);
-}
-
 /// The vertices of two characters lie in a ring buffer, and two frames are in flight. The distances of one character
 /// are written to an image of the host, whose memory belongs to another image for the rest of the frame. From frame 10
 /// on, the image itself changes every second frame.
@@ -193,7 +181,7 @@ fn two_characters_with_rings_and_an_aliased_image_have_their_maps() {
         stage.solver.record_frames(&device, commands, &frames).unwrap();
         for (SurfaceFrame { surface, .. }, to) in frames.iter().zip(&to[slot]) {
             let image = surface.result(slot, Reader::COPY.layout).unwrap();
-            copy(&stage.host, commands, image, to.handle);
+            stage.host.copy_image(commands, image, to);
         }
         stage.host.end(commands);
         let fence = unsafe { device.create_fence(&Default::default(), None) }.unwrap();
@@ -305,10 +293,8 @@ fn curves_and_labels_go_to_buffers_of_the_hosts() {
                 (labels.buffer, labels.bytes),
             ];
             for ((from, size), to) in found.into_iter().zip(to) {
-                let copy = vk::BufferCopy::default().size(size);
-                unsafe { device.cmd_copy_buffer(commands, from, to.handle, &[copy]) };
+                stage.host.copy_buffer(commands, from, to, size);
             }
-            stage.host.barrier(commands, Access::TRANSFER_WRITE, Access::HOST_READ);
             found.map(|(buffer, size)| (buffer, size as usize))
         })
     };

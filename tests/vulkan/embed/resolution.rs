@@ -1,16 +1,14 @@
 //! How well a grid resolves a surface, as the device determines it while measuring a host's points, compared
 //! with `Surface::resolution` on the same surface.
 
+use geosweep::surface::EdgeRule;
 use geosweep::surface::builtin::Builtin;
-use geosweep::surface::{EdgeRule, Geometry};
 use geosweep::vulkan::Schedule;
-use geosweep::vulkan::embed::{
-    Access, PointKind, PointMemory, Points, Reader, SourceInput, SurfaceInfo,
-};
+use geosweep::vulkan::embed::SourceInput;
 use geosweep::{Spacing, Surface, Wavefront};
 
 use crate::common::rough;
-use crate::embed::stage::{Kept, RASTER, Stage, source};
+use crate::embed::stage::{Kept, RASTER, Stage, numbers_of, source};
 
 /// Returns random heights from 0 to `relief`, in units of the spacing.
 fn noise(rows: usize, cols: usize, relief: f64) -> Surface {
@@ -32,37 +30,13 @@ fn outcomes_tell_whether_the_grid_resolves_the_surface() {
     let (mut rough, mut sharp) = (0, 0);
     for surface in surfaces {
         let chart = surface.chart();
-        let present =
-            |(index, at): (usize, f32)| if surface.present()[index] { at } else { f32::NAN };
-        let (kind, numbers): (_, Vec<f32>) = match surface.geometry() {
-            Geometry::Heights { heights, spacing } => {
-                let heights = heights.iter().map(|&height| height as f32).enumerate();
-                (PointKind::Heights(*spacing), heights.map(present).collect())
-            }
-            Geometry::Positions(positions) => {
-                let floats = positions.iter().flat_map(|at| at.as_vec3().to_array());
-                (PointKind::Positions, floats.collect())
-            }
-            Geometry::Metric(_) => unreachable!("no surface here has one"),
-        };
-        let mut host = Kept::unwatched();
-        let buffer = host.buffer_of(&numbers);
-        let stride = 4 * (numbers.len() / chart.points()) as u64;
-        let memory = PointMemory::Buffer { buffer: buffer.handle, offset: 0, stride };
-        let points = [Points { memory, kind, slowness: None }];
-        let edge_rule = EdgeRule::Chord;
-        let info = SurfaceInfo::new(chart).with_points(&points).with_edge_rule(edge_rule);
-        let stage = Stage::new(host, &RASTER[..1], &info);
+        let surface = surface.with_edge_rule(EdgeRule::Chord);
+        let (host, numbers) = (Kept::unwatched(), numbers_of(&surface));
+        let stage = Stage::on(host, &RASTER[..1], (&surface, None), numbers);
         let plan = stage.plan(Schedule::Raster, Wavefront::Planar, 1);
         // A second measurement counts anew.
         for _ in 0..2 {
-            stage.run(|recording| {
-                recording.begin(Access::NONE);
-                recording.measure(0).unwrap();
-                recording.solve(SourceInput::Inline(&source(3.0, 4.0)), &plan).unwrap();
-                recording.outcome(0).unwrap();
-                recording.result(0, Reader::COPY, f32::INFINITY)
-            });
+            stage.solve(SourceInput::Inline(&source(3.0, 4.0)), &plan);
         }
         let found = stage.surface.outcome(0).unwrap().resolution.expect("something was looked at");
         let expected = surface.resolution().unwrap();
@@ -72,7 +46,7 @@ fn outcomes_tell_whether_the_grid_resolves_the_surface() {
         assert_eq!(found.is_rough(), expected.is_rough(), "{chart:?}: {found:?} {expected:?}");
         rough += usize::from(found.is_rough());
         sharp += usize::from(found.sharp_edges > 0.1);
-        stage.end([buffer]);
+        stage.end([]);
     }
     assert!((1..4).contains(&rough) && (1..4).contains(&sharp), "{rough} rough, {sharp} sharp");
 }

@@ -2,8 +2,7 @@
 
 use geosweep::Wavefront;
 use geosweep::surface::Chart;
-use geosweep::vulkan::embed::{Access, PointSource, Points, Reader, SourceInput};
-use geosweep::vulkan::embed::{SurfaceInfo, Tools};
+use geosweep::vulkan::embed::{PointSource, Points, SourceInput, SurfaceInfo, Tools};
 use geosweep::vulkan::{Schedule, Tuning};
 
 use crate::common::difference;
@@ -44,14 +43,8 @@ fn maps(mut host: Kept) -> Vec<(Vec<f32>, u32)> {
             let sources = &several[..1 + frame % 2];
             let map = stage.map(frame, SourceInput::Inline(sources), &plan);
             maps.push((map, stage.surface.outcome(0).unwrap().iterations));
-            stage.run(|recording| {
-                recording.begin(Access::NONE);
-                recording.add(SourceInput::Inline(&source(3.0, 55.0)), &plan).unwrap();
-                recording.outcome(0).unwrap();
-                recording.result(0, Reader::COPY, f32::INFINITY)
-            });
-            stage.finish(&plan);
-            maps.push((stage.read(), stage.surface.outcome(0).unwrap().iterations));
+            let both = stage.add(SourceInput::Inline(&source(3.0, 55.0)), &plan);
+            maps.push((both, stage.surface.outcome(0).unwrap().iterations));
         }
     }
     stage.end(buffers);

@@ -2,10 +2,10 @@
 
 use geosweep::Wavefront;
 use geosweep::surface::Chart;
-use geosweep::vulkan::embed::{Points, SourceInput, SurfaceInfo, Tools};
+use geosweep::vulkan::embed::{SourceInput, SurfaceInfo, Tools};
 use geosweep::vulkan::{Schedule, Tuning};
 
-use crate::embed::stage::{Kept, Stage, source, vertices};
+use crate::embed::stage::{Kept, Stage, source};
 use crate::host::Host;
 
 const CHART: Chart = Chart { rows: 40, cols: 48 };
@@ -13,11 +13,9 @@ const CHART: Chart = Chart { rows: 40, cols: 48 };
 /// Returns the maps by the schedule of tiles with curved and with planar fronts: for each, the number of rounds in a
 /// recording, the distances, and the number of visits to tiles.
 fn maps(change: impl FnOnce(Tuning) -> Tuning) -> Vec<(u32, Vec<f32>, u32)> {
-    let mut host = Kept::tuned(Host::new(), Tools::default(), change);
-    let points = host.buffer_of(&vertices(CHART, 0.4));
-    let inputs = [Points::positions(points.handle, 32)];
-    let info = SurfaceInfo::new(CHART).with_points(&inputs);
-    let mut stage = Stage::new(host, &[(Schedule::Tiles, Wavefront::Curved)], &info);
+    let host = Kept::tuned(Host::new(), Tools::default(), change);
+    let passes = [(Schedule::Tiles, Wavefront::Curved)];
+    let mut stage = Stage::of_waves(host, &passes, SurfaceInfo::new(CHART), 0.4);
     // Pipelines that are added later serve surfaces that were made before.
     let device = stage.host.device.clone();
     stage.solver.add_passes(&device, Schedule::Tiles, Wavefront::Planar).unwrap();
@@ -26,7 +24,7 @@ fn maps(change: impl FnOnce(Tuning) -> Tuning) -> Vec<(u32, Vec<f32>, u32)> {
         let map = stage.map(0, SourceInput::Inline(&source(12.25, 30.0)), &plan);
         (plan.iterations(), map, stage.surface.outcome(0).unwrap().visits)
     });
-    stage.end([points]);
+    stage.end([]);
     maps.into()
 }
 

@@ -3,14 +3,13 @@
 
 use std::ops::{Deref, DerefMut};
 
-use geosweep::Stop;
-use geosweep::Wavefront;
-use geosweep::ash::vk;
-use geosweep::surface::Chart;
+use geosweep::surface::{Chart, Geometry, Gluing};
 use geosweep::vulkan::embed::{
-    self, Access, Frame, PointSource, Reader, ResultImage, SourceInput, SurfaceInfo, Tools,
+    self, Access, Frame, PointKind, PointSource, Points, Reader, ResultImage, SourceInput,
+    SurfaceInfo, Tools,
 };
 use geosweep::vulkan::{Method, Schedule, Tuning};
+use geosweep::{Sources, Stop, Surface, Wavefront};
 
 use crate::common::{Lent, Pool};
 use crate::host::{Host, HostBuffer};
@@ -111,6 +110,8 @@ pub struct Stage {
     pub solver: embed::Solver,
     pub surface: embed::FrameSurface,
     download: HostBuffer,
+    /// Buffers that end with the stage.
+    own: Vec<HostBuffer>,
 }
 
 impl Stage {
@@ -128,9 +129,45 @@ impl Stage {
             solver.add_passes(&device, schedule, wavefront).unwrap();
         }
         let surface = solver.surface(&device, host.allocator(), info).unwrap();
+        assert_eq!(solver.bytes_for(&device, info).unwrap(), surface.bytes());
         let download = host.buffer(4 * info.chart.points() as u64, true);
         host.run(|commands| solver.record(&device, commands, &surface).prepare());
-        Self { host, solver, surface, download }
+        Self { host, solver, surface, download, own: Vec::new() }
+    }
+
+    /// Creates a stage with a surface that is glued or open, and whose points a buffer holds as these numbers.
+    pub fn on(
+        host: impl Into<Lent<Kept>>,
+        passes: &[(Schedule, Wavefront)],
+        (surface, gluing): (&Surface, Option<&Gluing>),
+        (kind, numbers): (PointKind, Vec<f32>),
+    ) -> Self {
+        let mut host = host.into();
+        let buffer = host.buffer_of(&numbers);
+        let stride = size_of_val(&numbers[..]) as u64 / surface.chart().points() as u64;
+        let points = [Points { kind, ..Points::positions(buffer.handle, stride) }];
+        let info = SurfaceInfo::new(surface.chart())
+            .with_points(&points)
+            .with_edge_rule(surface.edge_rule())
+            .with_gluing(gluing);
+        let mut stage = Self::new(host, passes, &info);
+        stage.own.push(buffer);
+        stage
+    }
+
+    /// Creates a stage with the surface of [`vertices`].
+    pub fn of_waves(
+        host: impl Into<Lent<Kept>>,
+        passes: &[(Schedule, Wavefront)],
+        info: SurfaceInfo,
+        phase: f32,
+    ) -> Self {
+        let mut host = host.into();
+        let buffer = host.buffer_of(&vertices(info.chart, phase));
+        let points = [Points::positions(buffer.handle, 32)];
+        let mut stage = Self::new(host, passes, &info.with_points(&points));
+        stage.own.push(buffer);
+        stage
     }
 
     pub fn plan(&self, schedule: Schedule, wavefront: Wavefront, iterations: u32) -> embed::Plan {
@@ -142,6 +179,29 @@ impl Stage {
     pub fn map(&self, points: usize, sources: SourceInput, plan: &embed::Plan) -> Vec<f32> {
         self.run(|recording| {
             recording.frame(&Frame::new(plan, sources, Reader::COPY).with_points(points))
+        });
+        self.finish(plan);
+        self.read()
+    }
+
+    /// Runs a recording that measures the points and solves the map as far as the plan goes.
+    pub fn solve(&self, sources: SourceInput, plan: &embed::Plan) {
+        self.run(|recording| {
+            recording.begin(Access::NONE);
+            recording.measure(0).unwrap();
+            recording.solve(sources, plan).unwrap();
+            recording.outcome(0).unwrap();
+            recording.result(0, Reader::COPY, f32::INFINITY)
+        });
+    }
+
+    /// Adds sources to the map, and returns the map once it has converged.
+    pub fn add(&self, sources: SourceInput, plan: &embed::Plan) -> Vec<f32> {
+        self.run(|recording| {
+            recording.begin(Access::NONE);
+            recording.add(sources, plan).unwrap();
+            recording.outcome(0).unwrap();
+            recording.result(0, Reader::COPY, f32::INFINITY)
         });
         self.finish(plan);
         self.read()
@@ -170,17 +230,7 @@ impl Stage {
         let device = &self.host.device;
         self.host.run(|commands| {
             let image = record(self.solver.record(device, commands, &self.surface)).unwrap();
-            let layers = vk::ImageSubresourceLayers::default()
-                .aspect_mask(vk::ImageAspectFlags::COLOR)
-                .layer_count(1);
-            let copy = vk::BufferImageCopy::default()
-                .image_subresource(layers)
-                .image_extent(image.extent.into());
-            unsafe {
-                let to = self.download.handle;
-                device.cmd_copy_image_to_buffer(commands, image.image, image.layout, to, &[copy]);
-            }
-            self.host.barrier(commands, Access::TRANSFER_WRITE, Access::HOST_READ);
+            self.host.copy_image(commands, image, &self.download);
         });
     }
 
@@ -199,12 +249,12 @@ impl Stage {
     /// Destroys everything except what was lent. Asserts that nothing is left in the allocator. Returns the
     /// messages of the validation layers.
     pub fn take_down(self, buffers: impl IntoIterator<Item = HostBuffer>) -> Vec<String> {
-        let Self { mut host, solver, mut surface, download } = self;
+        let Self { mut host, solver, mut surface, download, own } = self;
         let device = host.device.clone();
         surface.destroy(&device, host.allocator());
         host.solver = Some(solver);
         host.free(download);
-        buffers.into_iter().for_each(|buffer| host.free(buffer));
+        own.into_iter().chain(buffers).for_each(|buffer| host.free(buffer));
         assert_eq!(host.allocations(), 0);
         host.messages()
     }
@@ -226,4 +276,49 @@ pub fn vertices(chart: Chart, phase: f32) -> Vec<f32> {
             [x, y, z, 0.5, 0.5, 0.0, 0.0, 1.0]
         })
         .collect()
+}
+
+/// Returns the numbers of a surface's points as a host has them, NaN at holes, and their kind.
+pub fn numbers_of(surface: &Surface) -> (PointKind, Vec<f32>) {
+    let present = |index: usize, number: f64| match surface.present()[index] {
+        true => number as f32,
+        false => f32::NAN,
+    };
+    match surface.geometry() {
+        Geometry::Heights { heights, spacing } => {
+            let numbers = heights.iter().enumerate().map(|(index, &height)| present(index, height));
+            (PointKind::Heights(*spacing), numbers.collect())
+        }
+        Geometry::Positions(_) => positions_of(surface),
+        Geometry::Metric(tensors) => {
+            let numbers = tensors.iter().enumerate().flat_map(|(index, tensor)| {
+                [tensor.rr, tensor.rc, tensor.cc].map(|number| present(index, number))
+            });
+            (PointKind::Metric, numbers.collect())
+        }
+    }
+}
+
+/// Returns x, y and z of each point, NaN at holes.
+pub fn positions_of(surface: &Surface) -> (PointKind, Vec<f32>) {
+    let chart = surface.chart();
+    let position = |index| {
+        let (row, col) = chart.position(index);
+        let place = surface.position(row, col).filter(|_| surface.has(row, col));
+        place.map_or([f32::NAN; 3], |position| position.as_vec3().to_array())
+    };
+    (PointKind::Positions, (0..chart.points()).flat_map(position).collect())
+}
+
+/// Returns sources at these places.
+pub fn sources_at(places: &[[f32; 2]]) -> Vec<PointSource> {
+    places.iter().map(|&[row, col]| PointSource::at(row, col)).collect()
+}
+
+/// Returns the same sources for the CPU.
+pub fn on_cpu(sources: &[PointSource]) -> Sources {
+    let add = |all: Sources, source: &PointSource| {
+        all.and_point(source.row.into(), source.col.into(), source.time.into())
+    };
+    sources.iter().fold(Sources::default(), add)
 }

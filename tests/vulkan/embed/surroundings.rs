@@ -4,15 +4,12 @@ use geosweep::Stop;
 use geosweep::cpu::twins;
 use geosweep::glam::DVec2;
 use geosweep::surface::{Chart, EdgeLengths};
-use geosweep::vulkan::embed::{
-    Access, Outcome, PointSource, Points, Reader, SourceInput, SurfaceInfo,
-};
+use geosweep::vulkan::embed::{Outcome, PointSource, SourceInput};
 use geosweep::vulkan::{Method, Schedule};
 use geosweep::{Sources, Spacing, Surface, Wavefront};
 
-use crate::common::{Lent, difference, vulkan_solver};
-use crate::embed::stage::{Kept, RASTER, STOP, Stage};
-use crate::host::HostBuffer;
+use crate::common::{difference, vulkan_solver};
+use crate::embed::stage::{Kept, RASTER, STOP, Stage, positions_of};
 
 /// Wavefronts with surroundings.
 const ROUND: [Wavefront; 2] = [Wavefront::Circular, Wavefront::Curved];
@@ -32,23 +29,9 @@ fn bumps(chart: Chart, is_hole: impl Fn(usize, usize) -> bool) -> Surface {
     surface.with_mask(&mask).unwrap()
 }
 
-/// Returns a stage with the surface, and the buffer of the surface's points.
-fn stage_of(
-    mut host: Lent<Kept>,
-    surface: &Surface,
-    passes: &[(Schedule, Wavefront)],
-) -> (Stage, HostBuffer) {
-    let chart = surface.chart();
-    let point = |index: usize| {
-        let (row, col) = chart.position(index);
-        surface.position(row, col).map_or([f32::NAN; 3], |at| at.as_vec3().to_array())
-    };
-    let numbers: Vec<_> = (0..chart.points()).flat_map(point).collect();
-    let buffer = host.buffer_of(&numbers);
-    let points = [Points::positions(buffer.handle, 12)];
-    let edge_rule = surface.edge_rule();
-    let info = SurfaceInfo::new(chart).with_points(&points).with_edge_rule(edge_rule);
-    (Stage::new(host, passes, &info), buffer)
+/// Returns a stage with the surface.
+fn stage_of(surface: &Surface, passes: &[(Schedule, Wavefront)]) -> Stage {
+    Stage::on(Kept::watched(), passes, (surface, None), positions_of(surface))
 }
 
 /// Returns the map of some sources and its outcome.
@@ -56,13 +39,7 @@ fn map(stage: &Stage, sources: &[PointSource], method: Method) -> (Vec<f32>, Out
     // With tiles, a front needs a round for each tile on its way.
     let iterations = if method.schedule == Some(Schedule::Raster) { ITERATIONS } else { 300 };
     let plan = stage.solver.plan(stage.surface.chart(), method, iterations).unwrap();
-    stage.run(|recording| {
-        recording.begin(Access::NONE);
-        recording.measure(0).unwrap();
-        recording.solve(SourceInput::Inline(sources), &plan).unwrap();
-        recording.outcome(0).unwrap();
-        recording.result(0, Reader::COPY, f32::INFINITY)
-    });
+    stage.solve(SourceInput::Inline(sources), &plan);
     (stage.read(), stage.surface.outcome(0).unwrap())
 }
 
@@ -85,7 +62,7 @@ fn surroundings_are_those_of_the_twin() {
         (bumps(square(90), sea), &[[38.3, 48.75], [39.5, 49.25]]),
     ];
     for (surface, places) in cases {
-        let (stage, buffer) = stage_of(Kept::watched(), &surface, &RASTER);
+        let stage = stage_of(&surface, &RASTER);
         for wavefront in ROUND {
             let source = |&[row, col]: &[f64; 2]| PointSource::at(row as f32, col as f32);
             let sources: Vec<_> = places.iter().map(source).collect();
@@ -114,14 +91,14 @@ fn surroundings_are_those_of_the_twin() {
             };
             assert!(difference < 1e-5, "{places:?} {wavefront}: {difference}");
         }
-        stage.end([buffer]);
+        stage.end([]);
     }
 }
 
 #[test]
 fn frames_from_inside_cells_take_about_as_many_iterations_as_from_grid_points() {
     let surface = bumps(Chart { rows: 140, cols: 150 }, |_, _| false);
-    let (stage, buffer) = stage_of(Kept::watched(), &surface, &RASTER);
+    let stage = stage_of(&surface, &RASTER);
     for wavefront in ROUND {
         let iterations = |row, col, times| {
             let sources = vec![PointSource::at(row, col); times];
@@ -142,7 +119,7 @@ fn frames_from_inside_cells_take_about_as_many_iterations_as_from_grid_points() 
         }
         assert!(saved >= 3, "{wavefront}: {saved} of three maps");
     }
-    stage.end([buffer]);
+    stage.end([]);
 }
 
 /// The cases are sources whose surroundings meet, sources beside the grid's corner and behind a wall, and sources that
@@ -150,7 +127,7 @@ fn frames_from_inside_cells_take_about_as_many_iterations_as_from_grid_points() 
 #[test]
 fn maps_with_surroundings_are_the_headless_solvers() {
     let surface = bumps(Chart { rows: 120, cols: 140 }, |row, col| row == 45 && col > 20);
-    let (stage, buffer) = stage_of(Kept::watched(), &surface, &RASTER);
+    let stage = stage_of(&surface, &RASTER);
     let mut solver = vulkan_solver();
     let mut on_device = solver.upload(&surface).unwrap();
     let cases: [&[[f64; 3]]; 4] = [
@@ -182,17 +159,11 @@ fn maps_with_surroundings_are_the_headless_solvers() {
             let (last, first) = sources.split_last().unwrap();
             map(&stage, first, method);
             let plan = stage.plan(Schedule::Raster, wavefront, ITERATIONS);
-            stage.run(|recording| {
-                recording.begin(Access::NONE);
-                recording.add(SourceInput::Inline(&[*last]), &plan).unwrap();
-                recording.outcome(0).unwrap();
-                recording.result(0, Reader::COPY, f32::INFINITY)
-            });
-            let apart = difference(&expected, &stage.read());
+            let apart = difference(&expected, &stage.add(SourceInput::Inline(&[*last]), &plan));
             assert!(apart < most, "added, {wavefront} {case:?}: {apart}");
         }
     }
-    stage.end([buffer]);
+    stage.end([]);
 }
 
 /// Sources lie side by side at grid points and inside cells, in one case with another source far away. With every
@@ -201,11 +172,8 @@ fn maps_with_surroundings_are_the_headless_solvers() {
 #[test]
 fn sources_side_by_side_are_solved_alone_at_first() {
     let surface = bumps(Chart { rows: 60, cols: 64 }, |_, _| false);
-    let (stage, buffer) = stage_of(
-        Kept::watched(),
-        &surface,
-        &Schedule::ALL.map(|schedule| (schedule, Wavefront::Curved)),
-    );
+    let passes = Schedule::ALL.map(|schedule| (schedule, Wavefront::Curved));
+    let stage = stage_of(&surface, &passes);
     // The amount by which maps may be early. It grows with the square of a cluster's width.
     let cases: [(f32, &[[f32; 2]]); 3] = [
         (0.06, &[[30.0, 20.0], [31.0, 20.0]]),
@@ -226,5 +194,5 @@ fn sources_side_by_side_are_solved_alone_at_first() {
             }
         }
     }
-    stage.end([buffer]);
+    stage.end([]);
 }

@@ -4,7 +4,7 @@ use geosweep::Wavefront;
 use geosweep::ash::vk;
 use geosweep::surface::Chart;
 use geosweep::vulkan::embed::{
-    self, Access, Frame, FrameSurface, PointSource, Points, Reader, SourceBuffer, SourceInput,
+    self, Frame, FrameSurface, PointSource, Points, Reader, SourceBuffer, SourceInput,
     SurfaceFrame, SurfaceInfo,
 };
 use geosweep::vulkan::{Method, Schedule, VulkanError};
@@ -42,17 +42,7 @@ impl Part {
     /// Copies the image of a slot, and reads the copy.
     fn read(&self, host: &Host, slot: usize) -> Vec<f32> {
         let image = self.surface.result(slot, self.reader.layout).unwrap();
-        let layers = vk::ImageSubresourceLayers::default()
-            .aspect_mask(vk::ImageAspectFlags::COLOR)
-            .layer_count(1);
-        let copy = vk::BufferImageCopy::default()
-            .image_subresource(layers)
-            .image_extent(image.extent.into());
-        host.run(|commands| unsafe {
-            let (device, to) = (&host.device, self.buffers[2].handle);
-            device.cmd_copy_image_to_buffer(commands, image.image, image.layout, to, &[copy]);
-            host.barrier(commands, Access::TRANSFER_WRITE, Access::HOST_READ);
-        });
+        host.run(|commands| host.copy_image(commands, image, &self.buffers[2]));
         self.buffers[2].floats()[..self.surface.chart().points()].to_vec()
     }
 }

@@ -6,37 +6,50 @@ use geosweep::vulkan::profile::{Capability, Detail, PassKind, PassRecord, SolveP
 use geosweep::vulkan::{HeadlessSolver, Method, Schedule, SurfaceOnDevice, TexelChart, Tuning};
 use geosweep::{Surface, Wavefront};
 
-use crate::common::{CONVERGED, device_choice, rough, seeds_at, some_point};
+use crate::common::{CONVERGED, Lent, Pool, device_choice, rough, seeds_at, some_point};
 
 pub fn method(wavefront: Wavefront, schedule: Schedule) -> Method {
     Method::new(wavefront, CONVERGED).with_schedule(schedule)
+}
+
+static SOLVERS: Pool<HeadlessSolver> = Pool::new();
+
+/// Lends a solver on a device with everything that profiling uses.
+pub fn profiling_solver() -> Lent<HeadlessSolver> {
+    SOLVERS.lend(|| HeadlessSolver::for_profiling(&device_choice(), &[]).unwrap(), |_| ())
 }
 
 /// A surface on a device that is profiled.
 pub struct Bench {
     pub surface: Surface,
     pub seeds: Vec<Seed>,
-    pub solver: HeadlessSolver,
     pub on_device: SurfaceOnDevice,
+    pub solver: Lent<HeadlessSolver>,
 }
 
 impl Bench {
-    pub fn new(rows: usize, cols: usize, left_out: &[Capability]) -> Self {
-        Self::with(rows, cols, HeadlessSolver::for_profiling(&device_choice(), left_out).unwrap())
+    pub fn new(rows: usize, cols: usize) -> Self {
+        Self::with(rows, cols, profiling_solver())
     }
 
-    /// Returns a bench on which scans go in pairs.
-    pub fn in_pairs(rows: usize, cols: usize) -> Self {
+    /// Returns a bench on a device that lacks some capabilities.
+    pub fn without(rows: usize, cols: usize, left_out: &[Capability]) -> Self {
+        let solver = HeadlessSolver::for_profiling(&device_choice(), left_out);
+        Self::with(rows, cols, solver.unwrap().into())
+    }
+
+    /// Returns a bench with the tuning that `change` returns.
+    pub fn tuned(rows: usize, cols: usize, change: impl FnOnce(Tuning) -> Tuning) -> Self {
         let solver = HeadlessSolver::for_profiling(&device_choice(), &[]).unwrap();
-        let tuning = Tuning { scan_pairs: true, ..solver.tuning() };
-        Self::with(rows, cols, solver.with_tuning(tuning).unwrap())
+        let tuning = change(solver.tuning());
+        Self::with(rows, cols, solver.with_tuning(tuning).unwrap().into())
     }
 
-    fn with(rows: usize, cols: usize, solver: HeadlessSolver) -> Self {
+    fn with(rows: usize, cols: usize, solver: Lent<HeadlessSolver>) -> Self {
         let surface = rough(rows, cols, 0);
         let seeds = seeds_at(&surface, some_point(&surface));
         let on_device = solver.upload(&surface).unwrap();
-        Self { surface, seeds, solver, on_device }
+        Self { surface, seeds, on_device, solver }
     }
 
     pub fn profile(&mut self, method: Method, detail: Detail) -> SolveProfile {

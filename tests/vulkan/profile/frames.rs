@@ -15,7 +15,7 @@ use crate::profile::renderer::{CHART, Renderer};
 /// queries, belongs to no pass. The driver's thread may be interrupted there, but not in all of the attempts.
 #[test]
 fn the_passes_of_a_frame_add_up_to_its_total() {
-    let renderer = Renderer::new(Host::without_validation(), Schedule::Raster, Tools::default());
+    let renderer = Renderer::unwatched(Schedule::Raster);
     let shares: Vec<f64> = (0..5)
         .map(|_| {
             let (total, passes) = renderer.timed_frame();
@@ -26,15 +26,13 @@ fn the_passes_of_a_frame_add_up_to_its_total() {
         .collect();
     let best = shares.iter().copied().fold(0.0, f64::max);
     assert!(best > 0.9, "{shares:?}");
-    renderer.end();
 }
 
 /// The frame is profiled under the validation layers, with synchronization validation, labels and names.
 #[test]
 fn a_frame_is_profiled_pass_by_pass() {
     for schedule in Schedule::ALL {
-        let tools = Tools { labels: true, ..Tools::default() };
-        let renderer = Renderer::new(Host::new(), schedule, tools);
+        let renderer = Renderer::watched(schedule);
         for _ in 0..2 {
             let (_, passes) = renderer.timed_frame();
             let outcome = renderer.surface.outcome(0).unwrap();
@@ -74,7 +72,6 @@ fn a_frame_is_profiled_pass_by_pass() {
                 .max();
             assert_eq!(done, Some(outcome.iterations - 1), "{schedule}");
         }
-        assert_eq!(renderer.end(), Vec::<String>::new(), "{schedule}");
     }
 }
 
@@ -83,7 +80,7 @@ fn a_frame_is_profiled_pass_by_pass() {
 fn surroundings_are_solved_once_a_source_and_set() {
     for (wavefront, carried) in [(Wavefront::Circular, 1), (Wavefront::Curved, 3)] {
         let host = Host::without_validation();
-        let renderer = Renderer::with(host, Schedule::Raster, wavefront, Tools::default());
+        let renderer = Renderer::new(host, Schedule::Raster, wavefront, Tools::default());
         let (_, passes) = renderer.timed_frame();
         let first = passes.iter().position(|pass| pass.kind == PassKind::Surroundings).unwrap();
         let kinds: Vec<_> = passes[first - 1..].iter().map(|pass| pass.kind).take(3).collect();
@@ -96,7 +93,6 @@ fn surroundings_are_solved_once_a_source_and_set() {
         let texels = 100;
         let read = 16 + texels * 16 * (carried + 4);
         assert_eq!((bytes_read, bytes_written), (Some(read), Some(texels * 40)), "{wavefront}");
-        renderer.end();
     }
 }
 
@@ -104,9 +100,9 @@ fn surroundings_are_solved_once_a_source_and_set() {
 #[test]
 fn results_without_a_readback_are_unknown() {
     for schedule in Schedule::ALL {
-        let mut renderer = Renderer::new(Host::without_validation(), schedule, Tools::default());
+        let mut renderer = Renderer::unwatched(schedule);
         renderer.timed_frame();
-        let device = &renderer.host.device;
+        let device = &renderer.host.device.clone();
         let resolved = renderer.profile.resolve(device, None, None).unwrap().unwrap();
         // A profile without room for queries and decisions leaves these values unknown too.
         renderer.profile = Profile::new(1000, Grain::Blocks, Slots::default());
@@ -125,14 +121,13 @@ fn results_without_a_readback_are_unknown() {
                 assert_eq!(pass.work, Work::default());
             }
         }
-        renderer.end();
     }
 }
 
 /// Recording does not wait for the device, nor does reading results too early.
 #[test]
 fn missing_results_are_not_waited_for() {
-    let renderer = Renderer::new(Host::without_validation(), Schedule::Raster, Tools::default());
+    let renderer = Renderer::unwatched(Schedule::Raster);
     let host = &renderer.host;
     // The queries are reset and not written.
     host.run(|commands| unsafe {
@@ -148,18 +143,17 @@ fn missing_results_are_not_waited_for() {
     unsafe { host.device.queue_wait_idle(host.queue) }.unwrap();
     let late = renderer.profile.resolve(&host.device, Some(renderer.clock), None).unwrap();
     assert!(late.unwrap().passes.iter().all(|pass| pass.nanoseconds.is_some()));
-    renderer.end();
 }
 
 /// A profile that is too small leaves passes out and reports how many.
 #[test]
 fn passes_without_room_are_counted() {
-    let mut renderer = Renderer::new(Host::new(), Schedule::Raster, Tools::default());
+    let mut renderer = Renderer::watched(Schedule::Raster);
     let all = renderer.timed_frame().1.len() as u32;
     let range = QueryRange { pool: renderer.pool, first: 2, count: 11 };
     let slots = Slots::default().with_timestamps(range);
     renderer.profile = Profile::new(100, Grain::Blocks, slots);
-    let device = &renderer.host.device;
+    let device = &renderer.host.device.clone();
     renderer.host.run(|commands| renderer.frame(device, commands, true));
     let found = renderer.profile.resolve(device, Some(renderer.clock), None).unwrap().unwrap();
     // Without a buffer for decisions, the two copies of them are not recorded.
@@ -172,14 +166,13 @@ fn passes_without_room_are_counted() {
     let found = renderer.profile.resolve(device, Some(renderer.clock), None).unwrap().unwrap();
     assert_eq!((found.passes.len(), found.left_out), (all as usize - 2, 0));
     assert!(found.passes.iter().all(|pass| pass.nanoseconds.is_none()));
-    assert_eq!(renderer.end(), Vec::<String>::new());
 }
 
 /// A frame's map is one record, and only the first timestamps are used.
 #[test]
 fn a_portion_of_a_frame_is_one_record() {
     for schedule in Schedule::ALL {
-        let mut renderer = Renderer::new(Host::new(), schedule, Tools::default());
+        let mut renderer = Renderer::watched(schedule);
         let (_, finer) = renderer.timed_frame();
         renderer.profile = Profile::new(1000, Grain::Portions, renderer.slots);
         let (total, passes) = renderer.timed_frame();
@@ -192,7 +185,6 @@ fn a_portion_of_a_frame_is_one_record() {
             passes.iter().filter_map(|pass| pass.work.texels).sum()
         };
         assert_eq!(texels(&passes), texels(&finer), "{schedule}");
-        assert_eq!(renderer.end(), Vec::<String>::new(), "{schedule}");
     }
 }
 
@@ -206,7 +198,7 @@ extern "system" fn count_query() -> vk::Result {
 /// The test counts calls of the device's functions that only profiling uses.
 #[test]
 fn profiling_that_is_off_records_nothing() {
-    let renderer = Renderer::new(Host::without_validation(), Schedule::Raster, Tools::default());
+    let renderer = Renderer::unwatched(Schedule::Raster);
     let names =
         [c"vkCmdWriteTimestamp", c"vkCmdResetQueryPool", c"vkCmdBeginQuery", c"vkCmdEndQuery"];
     let counting = renderer.host.device_with(|name| {
@@ -220,5 +212,4 @@ fn profiling_that_is_off_records_nothing() {
     assert_eq!(count(false), 0);
     let steps = renderer.plan.steps().len();
     assert!(count(true) > steps as u32);
-    renderer.end();
 }

@@ -1,6 +1,6 @@
 //! Profiles of passes, compared with the tests' own counts and clocks.
 
-mod bench;
+pub mod bench;
 mod capabilities;
 mod curves;
 mod frames;

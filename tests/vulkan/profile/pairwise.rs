@@ -20,7 +20,7 @@ fn of_iterations(steps: &[Step]) -> Vec<u64> {
 /// single map.
 #[test]
 fn each_iteration_visits_the_maps_that_have_not_converged() {
-    let mut bench = Bench::new(41, 36, &[]);
+    let mut bench = Bench::new(41, 36);
     let chart = bench.surface.chart();
     let texels = TexelChart::new(chart).unwrap();
     let tuning = bench.solver.tuning();
@@ -111,7 +111,7 @@ fn each_iteration_visits_the_maps_that_have_not_converged() {
 /// pairs each. A scan updates a point from two triangles, and reads nine lengths for a pair.
 #[test]
 fn maps_in_shared_memory_agree_with_a_count_by_hand() {
-    let bench = Bench::new(7, 4, &[]);
+    let bench = Bench::new(7, 4);
     let Bench { solver, on_device, surface, .. } = &bench;
     let chart = surface.chart();
     let shared = Some(PairwiseSchedule::SharedMemory);
@@ -148,7 +148,7 @@ fn maps_in_shared_memory_agree_with_a_count_by_hand() {
 #[test]
 fn the_rows_are_the_same_with_and_without() {
     for left_out in [vec![], Capability::ALL.to_vec()] {
-        let bench = Bench::new(30, 21, &left_out);
+        let bench = Bench::without(30, 21, &left_out);
         let Bench { solver, on_device, .. } = &bench;
         let sources: Vec<_> = (0..70).map(|source| Some(9 * source)).collect();
         for schedule in PairwiseSchedule::ALL {

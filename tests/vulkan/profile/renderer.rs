@@ -10,6 +10,7 @@ use geosweep::vulkan::embed::{
 use geosweep::vulkan::profile::{Clock, Decided, Grain, PassRecord, Profile, QueryRange, Slots};
 use geosweep::vulkan::{Method, Schedule};
 
+use crate::common::{Lent, Pool};
 use crate::host::{Host, HostBuffer};
 
 pub const CHART: Chart = Chart { rows: 260, cols: 300 };
@@ -30,13 +31,38 @@ pub struct Renderer {
     pub clock: Clock,
 }
 
+static WATCHED: [Pool<Renderer>; Schedule::ALL.len()] =
+    [const { Pool::new() }; Schedule::ALL.len()];
+static UNWATCHED: [Pool<Renderer>; Schedule::ALL.len()] =
+    [const { Pool::new() }; Schedule::ALL.len()];
+
 impl Renderer {
-    /// Creates a renderer with planar fronts.
-    pub fn new(host: Host, schedule: Schedule, tools: Tools) -> Self {
-        Self::with(host, schedule, Wavefront::Planar, tools)
+    /// Lends a renderer with planar fronts under the validation layers, with labels and names.
+    pub fn watched(schedule: Schedule) -> Lent<Self> {
+        let tools = Tools { labels: true, ..Tools::default() };
+        let open = || Self::new(Host::new(), schedule, Wavefront::Planar, tools);
+        Self::lend(&WATCHED[schedule as usize], open)
     }
 
-    pub fn with(mut host: Host, schedule: Schedule, wavefront: Wavefront, tools: Tools) -> Self {
+    /// Lends a renderer with planar fronts without layers and labels.
+    pub fn unwatched(schedule: Schedule) -> Lent<Self> {
+        let host = Host::without_validation;
+        let open = || Self::new(host(), schedule, Wavefront::Planar, Tools::default());
+        Self::lend(&UNWATCHED[schedule as usize], open)
+    }
+
+    fn lend(pool: &'static Pool<Self>, open: impl FnOnce() -> Self) -> Lent<Self> {
+        let mut renderer = pool.lend(open, |renderer| {
+            assert_eq!(renderer.host.messages(), Vec::<String>::new());
+        });
+        // Each test begins with the profile of all passes of a frame.
+        let Self { solver, surface, plan, slots, .. } = &*renderer;
+        let count = solver.passes_of_frame(surface, plan, Grain::Blocks);
+        renderer.profile = Profile::new(count, Grain::Blocks, *slots);
+        renderer
+    }
+
+    pub fn new(mut host: Host, schedule: Schedule, wavefront: Wavefront, tools: Tools) -> Self {
         let device = host.device.clone();
         let heights: Vec<f32> = (0..CHART.points())
             .map(|i| ((i % 37) as f32 * 0.1).sin() + (i / 3000) as f32)
@@ -122,15 +148,16 @@ impl Renderer {
         assert_eq!(resolved.left_out, 0);
         (self.clock.nanoseconds(own[0], own[1]), resolved.passes)
     }
+}
 
-    pub fn end(self) -> Vec<String> {
-        let Self { mut host, mut solver, mut surface, points, decisions, pool, .. } = self;
+impl Drop for Renderer {
+    fn drop(&mut self) {
+        let Self { host, solver, surface, points, decisions, pool, .. } = self;
         let device = host.device.clone();
-        unsafe { device.destroy_query_pool(pool, None) };
+        unsafe { device.destroy_query_pool(*pool, None) };
         surface.destroy(&device, host.allocator());
         solver.destroy(&device);
-        host.free(points);
-        host.free(decisions);
-        host.messages()
+        points.destroy(host);
+        decisions.destroy(host);
     }
 }

@@ -43,7 +43,7 @@ impl Subscriber for Spans {
 /// Each pass is a span with its numbers.
 #[test]
 fn passes_are_spans() {
-    let mut bench = Bench::new(30, 30, &[]);
+    let mut bench = Bench::new(30, 30);
     let profile = bench.profile(method(Wavefront::Planar, Schedule::Raster), Detail::default());
     let passes: Vec<_> = profile.passes().copied().collect();
     let spans = std::sync::Arc::new(Spans::default());

@@ -1,10 +1,10 @@
 //! Maps whose iterations are cut into several submissions, since a submission may visit a limited number of texels.
 
 use geosweep::vulkan::profile::{Detail, Grain, PassKind, SolveProfile, SubmissionRecord};
-use geosweep::vulkan::{HeadlessSolution, HeadlessSolver, Method, Schedule, Tuning, plan};
+use geosweep::vulkan::{HeadlessSolution, Method, Schedule, Tuning, plan};
 use geosweep::{Stop, Wavefront};
 
-use crate::common::{device_choice, rough, seeds_at, some_point, vulkan_solver};
+use crate::common::{rough, seeds_at, some_point, tuned, vulkan_solver};
 use crate::profile::bench::{Bench, method};
 
 /// Largest number of texels that a submission may visit. It is a third of the number of texels of these tests' grid, so
@@ -13,14 +13,13 @@ const VISITS: u64 = 1600;
 /// Rows and columns of the grid. It has 65 x 75 texels, so that no line fits a workgroup.
 const SIZE: (usize, usize) = (130, 150);
 
-fn in_parts(solver: HeadlessSolver) -> HeadlessSolver {
-    let tuning = Tuning { visits: Some(VISITS), ..whole(&solver) };
-    solver.with_tuning(tuning).unwrap()
+/// Returns a tuning that is the same on every device.
+fn whole(old: Tuning) -> Tuning {
+    Tuning { scan_width: 64, scan_lines: 4, scan_pairs: false, ..old }
 }
 
-/// Returns a tuning that is the same on every device.
-fn whole(solver: &HeadlessSolver) -> Tuning {
-    Tuning { scan_width: 64, scan_lines: 4, scan_pairs: false, ..solver.tuning() }
+fn in_parts(old: Tuning) -> Tuning {
+    Tuning { visits: Some(VISITS), ..whole(old) }
 }
 
 fn texels(submission: &SubmissionRecord) -> u64 {
@@ -52,15 +51,8 @@ fn profiled(bench: &mut Bench, method: Method, grain: Grain) -> (HeadlessSolutio
 /// An iteration of raster scans does the same in two dozen submissions as in one, block by block.
 #[test]
 fn iterations_are_cut_where_a_submission_would_visit_more_than_it_may() {
-    let Bench { surface, seeds, solver, .. } = Bench::new(SIZE.0, SIZE.1, &[]);
-    let tuning = whole(&solver);
-    let solver = solver.with_tuning(tuning).unwrap();
-    let on_device = solver.upload(&surface).unwrap();
-    let mut whole = Bench { surface, seeds, solver, on_device };
-    let Bench { surface, seeds, solver, .. } = Bench::new(SIZE.0, SIZE.1, &[]);
-    let solver = in_parts(solver);
-    let on_device = solver.upload(&surface).unwrap();
-    let mut cut = Bench { surface, seeds, solver, on_device };
+    let mut whole = Bench::tuned(SIZE.0, SIZE.1, whole);
+    let mut cut = Bench::tuned(SIZE.0, SIZE.1, in_parts);
     for wavefront in [Wavefront::Planar, Wavefront::Curved] {
         let method = method(wavefront, Schedule::Raster);
         for grain in Grain::ALL {
@@ -92,10 +84,7 @@ fn iterations_are_cut_where_a_submission_would_visit_more_than_it_may() {
 /// A round visits an unknown number of tiles, so that a submission has few rounds.
 #[test]
 fn recordings_of_tiles_have_fewer_rounds() {
-    let Bench { surface, seeds, solver, .. } = Bench::new(SIZE.0, SIZE.1, &[]);
-    let solver = in_parts(solver);
-    let on_device = solver.upload(&surface).unwrap();
-    let mut cut = Bench { surface, seeds, solver, on_device };
+    let mut cut = Bench::tuned(SIZE.0, SIZE.1, in_parts);
     let method = method(Wavefront::Curved, Schedule::Tiles);
     let (solution, profile) = profiled(&mut cut, method, Grain::Scans);
     for submission in &profile.submissions {
@@ -114,7 +103,7 @@ fn maps_in_small_submissions_are_those_of_large_ones() {
     let seeds = seeds_at(&surface, some_point(&surface));
     let more = seeds_at(&surface, (0, 0));
     let mut whole = vulkan_solver();
-    let mut cut = in_parts(HeadlessSolver::with_validation(&device_choice()).unwrap());
+    let mut cut = tuned(in_parts);
     let mut on_device = [whole.upload(&surface).unwrap(), cut.upload(&surface).unwrap()];
     for wavefront in Wavefront::FOR_ANY_SURFACE {
         let method = method(wavefront, Schedule::Raster);

@@ -10,7 +10,7 @@ use crate::profile::bench::{Bench, method};
 /// timestamps bring both times to one clock.
 #[test]
 fn calibrated_times_lie_between_submission_and_its_end() {
-    let mut bench = Bench::new(80, 80, &[]);
+    let mut bench = Bench::new(80, 80);
     let profile = bench.profile(method(Wavefront::Planar, Schedule::Raster), Detail::default());
     if bench.solver.capabilities().unwrap().calibration.is_err() {
         assert!(profile.submissions.iter().all(|found| found.begin.is_none()));
@@ -27,7 +27,7 @@ fn calibrated_times_lie_between_submission_and_its_end() {
 
 #[test]
 fn passes_follow_one_another_inside_their_submission() {
-    let mut bench = Bench::new(50, 50, &[]);
+    let mut bench = Bench::new(50, 50);
     let details = Grain::ALL
         .into_iter()
         .flat_map(|grain| [true, false].map(|whole| Detail { grain, whole, ..Detail::default() }));

@@ -19,7 +19,7 @@ fn texels_visited_and_skipped_are_those_of_the_plan() {
         for grain in [Grain::Blocks, Grain::Scans] {
             // A recording has this many iterations.
             for (wavefront, iterations) in [(Wavefront::Planar, 4), (Wavefront::Curved, 5)] {
-                let mut bench = Bench::new(rows, cols, &[]);
+                let mut bench = Bench::new(rows, cols);
                 hold_against_the_plan(&mut bench, grain, wavefront, iterations);
             }
         }
@@ -29,7 +29,8 @@ fn texels_visited_and_skipped_are_those_of_the_plan() {
 #[test]
 fn texels_of_pairs_are_those_of_the_plan() {
     for ((rows, cols), grain) in [((61, 90), Grain::Scans), ((121, 130), Grain::Blocks)] {
-        let mut bench = Bench::in_pairs(rows, cols);
+        let pairs = |old| Tuning { scan_pairs: true, ..old };
+        let mut bench = Bench::tuned(rows, cols, pairs);
         hold_against_the_plan(&mut bench, grain, Wavefront::Planar, 4);
     }
 }
@@ -120,7 +121,7 @@ fn hold_against_the_plan(bench: &mut Bench, grain: Grain, wavefront: Wavefront, 
 /// A coarser record is the sum of the finer ones, whatever the device has decided in between.
 #[test]
 fn coarser_records_are_sums_of_finer_ones() {
-    let mut bench = Bench::new(61, 90, &[]);
+    let mut bench = Bench::new(61, 90);
     for schedule in Schedule::ALL {
         let finer = [Grain::Iterations, Grain::Scans, Grain::Blocks];
         let records = finer.map(|grain| {
@@ -208,7 +209,7 @@ fn of_iterations(passes: &[PassRecord]) -> u32 {
 /// triangles.
 #[test]
 fn bytes_agree_with_a_count_by_hand() {
-    let mut bench = Bench::new(7, 4, &[]);
+    let mut bench = Bench::new(7, 4);
     for (wavefront, read, written) in
         [(Wavefront::Planar, 16 + 64, 16), (Wavefront::Curved, 32 + 64 + 16, 32)]
     {
@@ -234,7 +235,7 @@ fn bytes_agree_with_a_count_by_hand() {
 /// one.
 #[test]
 fn counts_and_starts_agree_with_a_count_by_hand() {
-    let mut bench = Bench::new(61, 90, &[]);
+    let mut bench = Bench::new(61, 90);
     let texels = TexelChart::new(bench.surface.chart()).unwrap();
     let tile = bench.solver.tuning().on_grid(texels).tile as usize;
     let tiles = (61usize.div_ceil(tile) * 90usize.div_ceil(tile)) as u64;
@@ -262,7 +263,7 @@ fn counts_and_starts_agree_with_a_count_by_hand() {
 /// them, and the round for which each tile is listed are written.
 #[test]
 fn settled_texels_are_those_in_the_other_image() {
-    let mut bench = Bench::new(100, 131, &[]);
+    let mut bench = Bench::new(100, 131);
     // In the corridors of a maze, fronts need more rounds than a recording has.
     bench.surface = Builtin::Maze.surface(100, 131).unwrap();
     bench.on_device = bench.solver.upload(&bench.surface).unwrap();
@@ -310,7 +311,7 @@ fn moved(pass: &PassRecord) -> Option<(u64, u64)> {
 /// The device's own count of invocations gives the number of groups that have run, whatever was planned.
 #[test]
 fn the_device_counts_the_invocations_of_the_groups_in_the_records() {
-    let mut bench = Bench::new(70, 131, &[]);
+    let mut bench = Bench::new(70, 131);
     let tuning = bench.solver.tuning();
     let counts = bench.solver.capabilities().unwrap().statistics.is_ok();
     let detail = Detail { grain: Grain::Blocks, invocations: true, tiles: true, whole: true };
@@ -340,7 +341,7 @@ fn the_device_counts_the_invocations_of_the_groups_in_the_records() {
 /// source.
 #[test]
 fn tiles_are_listed_as_they_were_visited() {
-    let mut bench = Bench::new(100, 131, &[]);
+    let mut bench = Bench::new(100, 131);
     let detail = Detail { tiles: true, ..Detail::default() };
     let profile = bench.profile(method(Wavefront::Curved, Schedule::Tiles), detail);
     let tile = bench.solver.tuning().tile as usize;

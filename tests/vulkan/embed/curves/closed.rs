@@ -8,23 +8,20 @@ use geosweep::vulkan::embed::{
 };
 use geosweep::{Surface, Wavefront};
 
-use super::directions::on_cpu;
 use super::paths::{new_paths, read};
 use super::regions::{Atlas, of_twin, off_places};
 use super::{Scene, map_of, vertices};
 use crate::common::Random;
 use crate::common::closed::*;
 use crate::embed::closed::stage_on;
-use crate::embed::stage::{Kept, RASTER};
+use crate::embed::stage::{Kept, RASTER, on_cpu, sources_at};
 
 /// Iterations after which maps of these surfaces no longer change.
 const ITERATIONS: u32 = 12;
 
 /// Returns closed surfaces with their gluings and two sources each, most of which lie on or beside seams.
 fn surfaces() -> Vec<(&'static str, Surface, Gluing, Vec<PointSource>)> {
-    let at = |places: &[[f32; 2]]| -> Vec<PointSource> {
-        places.iter().map(|&[row, col]| PointSource::at(row, col)).collect()
-    };
+    let at = sources_at;
     let moebius = flat(31, 65).with_gluing(Gluing::flipped_columns()).unwrap();
     let flat_torus = flat(29, 41).with_gluing(Gluing::both()).unwrap();
     let faces = cube(15);
@@ -51,10 +48,10 @@ fn surfaces() -> Vec<(&'static str, Surface, Gluing, Vec<PointSource>)> {
 }
 
 fn scene(surface: &Surface, gluing: &Gluing, sources: &[PointSource]) -> Scene {
-    let (stage, points) = stage_on(surface, gluing, Kept::watched(), &RASTER);
+    let stage = stage_on(surface, gluing, Kept::watched(), &RASTER);
     let plan = stage.plan(Schedule::Raster, Wavefront::Curved, ITERATIONS).over_seams();
     let map = stage.map(0, SourceInput::Inline(sources), &plan);
-    Scene { stage, points, map: map_of(surface.chart(), map) }
+    Scene { stage, map: map_of(surface.chart(), map) }
 }
 
 /// Returns how often a path goes on at a copy of its place, and checks that the copy is the same place.
@@ -131,9 +128,7 @@ fn paths_pass_seams() {
         let is_short = from_map[0] < from_map[1] + longer;
         assert!(most < usual && is_short, "{name}: {most:e} {from_map:?}");
         assert!(is_flat || seams > 20, "{name}: {seams}");
-        let device = scene.stage.host.device.clone();
-        paths.destroy(&device, scene.stage.host.allocator());
-        scene.end();
+        scene.end_with(|device, allocator| paths.destroy(device, allocator));
     }
 }
 
@@ -143,9 +138,9 @@ fn paths_pass_seams() {
 fn regions_pass_seams() {
     for (name, surface, gluing, sources) in surfaces() {
         for wavefront in Wavefront::FOR_ANY_SURFACE {
-            let (stage, points) =
-                stage_on(&surface, &gluing, Kept::watched(), &[(Schedule::Raster, wavefront)]);
-            let mut atlas = Atlas::of(stage, vec![points], wavefront);
+            let passes = [(Schedule::Raster, wavefront)];
+            let stage = stage_on(&surface, &gluing, Kept::watched(), &passes);
+            let mut atlas = Atlas::of(stage, wavefront);
             let plan = atlas.stage.plan(Schedule::Raster, wavefront, ITERATIONS).over_seams();
             let map = atlas.stage.map(0, SourceInput::Inline(&sources), &plan);
             let labels = atlas.labels(SourceInput::Inline(&sources));
@@ -179,7 +174,7 @@ fn regions_pass_seams() {
 fn directions_pass_seams() {
     for (name, surface, gluing, sources) in surfaces() {
         let mut scene = scene(&surface, &gluing, &sources);
-        let directions = scene.new_directions();
+        let mut directions = scene.new_directions();
         let field = scene.directions(&directions, SourceInput::Inline(&sources));
         let edges = EdgeLengths::new(&surface).unwrap();
         let exact = BackDirections::new(&surface, &edges, &on_cpu(&sources), &scene.map.distances);
@@ -204,6 +199,6 @@ fn directions_pass_seams() {
         // At folds and at edges of a cube, a direction is that of the path's first line, which is accurate to first
         // order in the size of the cells.
         assert!(seams.0 < 3.0 * others.0 + 0.04, "{name}: {seams:?} {others:?}");
-        scene.end_with(directions);
+        scene.end_with(|device, allocator| directions.destroy(device, allocator));
     }
 }

@@ -4,25 +4,20 @@ use std::collections::HashMap;
 
 use geosweep::geometry::contours;
 use geosweep::surface::builtin::Builtin;
-use geosweep::vulkan::VulkanError;
 use geosweep::vulkan::embed::{
     Access, ContourFrame, Contours, CurveRecord, CurveStatus, CurveVertex, LevelInput, PointSource,
 };
-use geosweep::{DistanceMap, Sources, Spacing, Surface};
+use geosweep::{DistanceMap, Sources, Surface};
 
 use super::{Scene, lifted_off, vertices};
+use crate::common::closed::flat;
 use crate::common::rough;
 use crate::embed::stage::Kept;
-use crate::host::Host;
 
 /// Length in cells below which pieces are not compared: the CPU leaves out pieces without length.
 const SHORT: f64 = 0.01;
 
 type Piece = [[f64; 2]; 2];
-
-fn flat(rows: usize, cols: usize) -> Surface {
-    Surface::from_heights(rows, cols, vec![0.0; rows * cols], Spacing::square(1.0)).unwrap()
-}
 
 fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
     (a[0] - b[0]).hypot(a[1] - b[1])
@@ -93,7 +88,7 @@ fn record(
     (records[0], vertices)
 }
 
-fn new_contours(scene: &mut Scene, room: u32) -> Contours {
+pub fn new_contours(scene: &mut Scene, room: u32) -> Contours {
     let stage = &mut scene.stage;
     let device = stage.host.device.clone();
     stage.solver.contours(&device, stage.host.allocator(), &stage.surface, room).unwrap()
@@ -115,10 +110,7 @@ fn compare(name: &str, surface: &Surface, source: [f32; 3], levels: &[f32], tole
     println!("{name}: {worst:.1e} cells apart, lifted {off:.1e} off");
     assert!(worst < tolerance, "{name}: {worst}");
     assert!(off < 1e-5, "{name}: {off}");
-    let device = scene.stage.host.device.clone();
-    contours.destroy(&device, scene.stage.host.allocator());
-    contours.destroy(&device, scene.stage.host.allocator());
-    scene.end();
+    scene.end_with(|device, allocator| contours.destroy(device, allocator));
 }
 
 fn spaced(step: f32, count: usize) -> Vec<f32> {
@@ -188,10 +180,7 @@ fn contours_that_do_not_fit_are_counted_and_the_first_are_kept() {
         let (none, _) = record(&mut scene, &roomy, LevelInput::List(levels), 0.0);
         assert_eq!((none.vertices, none.status()), (0, CurveStatus::Complete));
     }
-    let device = scene.stage.host.device.clone();
-    roomy.destroy(&device, scene.stage.host.allocator());
-    roomy.destroy(&device, scene.stage.host.allocator());
-    scene.end();
+    scene.end_with(|device, allocator| roomy.destroy(device, allocator));
 }
 
 #[test]
@@ -202,40 +191,6 @@ fn grids_without_cells_have_no_contours() {
         let mut contours = new_contours(&mut scene, 100);
         let (record, _) = record(&mut scene, &contours, LevelInput::List(&[0.5, 1.5]), 0.0);
         assert_eq!((record.vertices, record.status()), (0, CurveStatus::Complete));
-        let device = scene.stage.host.device.clone();
-        contours.destroy(&device, scene.stage.host.allocator());
-        scene.end();
+        scene.end_with(|device, allocator| contours.destroy(device, allocator));
     }
-}
-
-#[test]
-fn contours_that_make_no_sense_are_errors_before_anything_is_recorded() {
-    let surface = flat(9, 13);
-    // When the host is dropped, it reports objects that were left behind.
-    let mut scene = Scene::new(Host::new(), &surface, &[PointSource::at(1.0, 2.0)]);
-    let other = Scene::new(Kept::watched(), &surface, &[PointSource::at(1.0, 2.0)]);
-    let mut contours = new_contours(&mut scene, 100);
-    let frame = ContourFrame::new(LevelInput::List(&[1.0]), Access::DRAW);
-    let attempt = |scene: &Scene, frame: &ContourFrame| {
-        let stage = &scene.stage;
-        stage.host.run(|commands| {
-            let recording = stage.solver.record(&stage.host.device, commands, &stage.surface);
-            recording.contours(&contours, frame).unwrap_err()
-        })
-    };
-    assert!(matches!(attempt(&other, &frame), VulkanError::OtherSurface));
-    let absent = frame.with_points(1);
-    assert!(matches!(attempt(&scene, &absent), VulkanError::NoSuch { .. }));
-    let unordered = frame.with_levels(LevelInput::List(&[2.0, 1.0]));
-    assert!(attempt(&scene, &unordered).to_string().contains("must ascend, but 2 comes before 1"));
-    let stage = &mut scene.stage;
-    let device = stage.host.device.clone();
-    for (room, reason) in [(1, "too few"), (u32::MAX, "bytes")] {
-        let made = stage.solver.contours(&device, stage.host.allocator(), &stage.surface, room);
-        let error = made.unwrap_err().to_string();
-        assert!(error.starts_with("no contours: ") && error.contains(reason), "{error}");
-    }
-    contours.destroy(&device, stage.host.allocator());
-    scene.end();
-    other.end();
 }

@@ -1,19 +1,17 @@
 //! Directions in the host's frames.
 
-use geosweep::ash::vk;
+use geosweep::Surface;
 use geosweep::geometry::BackDirections;
 use geosweep::surface::EdgeLengths;
 use geosweep::surface::builtin::Builtin;
-use geosweep::vulkan::VulkanError;
 use geosweep::vulkan::embed::{
     self, Access, DirectionFrame, PointSource, Reader, ResultImage, SourceInput,
 };
-use geosweep::{Sources, Spacing, Surface};
 
 use super::Scene;
+use crate::common::closed::flat;
 use crate::common::rough;
-use crate::embed::stage::Kept;
-use crate::host::Host;
+use crate::embed::stage::{Kept, on_cpu, sources_at as at};
 
 /// Directions in columns and rows, and the bytes of the image.
 pub struct Field {
@@ -36,17 +34,7 @@ impl Scene {
             let recording = solver.record(&device, commands, surface);
             recording.begin(Access::NONE);
             let image = record(recording);
-            let layers = vk::ImageSubresourceLayers::default()
-                .aspect_mask(vk::ImageAspectFlags::COLOR)
-                .layer_count(1);
-            let part = vk::BufferImageCopy::default()
-                .image_subresource(layers)
-                .image_extent(image.extent.into());
-            unsafe {
-                let (from, to) = (image.image, copy.handle);
-                device.cmd_copy_image_to_buffer(commands, from, image.layout, to, &[part]);
-            }
-            host.barrier(commands, Access::TRANSFER_WRITE, Access::HOST_READ);
+            host.copy_image(commands, image, &copy);
         });
         let bytes = copy.bytes()[..texel as usize * surface.chart().points()].to_vec();
         host.free(copy);
@@ -74,13 +62,6 @@ impl Scene {
         assert_eq!(stated.unwrap(), new.bytes());
         new
     }
-
-    pub fn end_with(mut self, mut directions: embed::Directions) {
-        let device = self.stage.host.device.clone();
-        directions.destroy(&device, self.stage.host.allocator());
-        directions.destroy(&device, self.stage.host.allocator());
-        self.end();
-    }
 }
 
 fn from_half(bits: u16) -> f32 {
@@ -92,18 +73,11 @@ fn from_half(bits: u16) -> f32 {
     }
 }
 
-pub fn on_cpu(sources: &[PointSource]) -> Sources {
-    let add = |all: Sources, source: &PointSource| {
-        all.and_point(source.row.into(), source.col.into(), source.time.into())
-    };
-    sources.iter().fold(Sources::default(), add)
-}
-
 /// Compares directions with those of the CPU on the same map. Returns the mean angle in the grid, and how
 /// many directions in 10 000 are off by more than a tenth of a radian and by more than 90 degrees.
 fn compare(name: &str, surface: &Surface, sources: &[PointSource]) -> [f64; 3] {
     let mut scene = Scene::new(Kept::watched_but_for_shaders(), surface, sources);
-    let directions = scene.new_directions();
+    let mut directions = scene.new_directions();
     let field = scene.directions(&directions, SourceInput::Inline(sources));
     // A second recording gives the same directions.
     let again = scene.directions(&directions, SourceInput::Inline(sources));
@@ -132,19 +106,15 @@ fn compare(name: &str, surface: &Surface, sources: &[PointSource]) -> [f64; 3] {
     }
     let mean = sum / count as f64;
     println!("{name}: mean {mean:.1e}, largest {largest:.1e}, {off} and {wrong} off of {count}");
-    scene.end_with(directions);
+    scene.end_with(|device, allocator| directions.destroy(device, allocator));
     let share = |number: usize| 1e4 * number as f64 / count as f64;
     [mean, share(off), share(wrong)]
-}
-
-fn at(places: &[[f32; 2]]) -> Vec<PointSource> {
-    places.iter().map(|&[row, col]| PointSource::at(row, col)).collect()
 }
 
 /// The bound is 1e-3 rad, of which rounding to half precision is up to 5e-4.
 #[test]
 fn directions_are_those_of_the_cpu() {
-    let flat = Surface::from_heights(65, 81, vec![0.0; 65 * 81], Spacing::square(1.0)).unwrap();
+    let flat = flat(65, 81);
     let mut later = at(&[[10.5, 12.25], [40.0, 50.75]]);
     later[0].time = 10.0;
     let cases = [
@@ -179,10 +149,10 @@ fn directions_on_rough_surfaces_are_those_of_the_cpu() {
 /// A render graph may provide another image in each frame.
 #[test]
 fn directions_go_to_the_image_of_the_host() {
-    let flat = Surface::from_heights(33, 41, vec![0.0; 33 * 41], Spacing::square(1.0)).unwrap();
+    let flat = flat(33, 41);
     let sources = at(&[[7.0, 9.5]]);
     let mut scene = Scene::new(Kept::watched(), &flat, &sources);
-    let own = scene.new_directions();
+    let mut own = scene.new_directions();
     let expected = scene.directions(&own, SourceInput::Inline(&sources));
     let device = scene.stage.host.device.clone();
     // Two more directions lend their images.
@@ -204,41 +174,5 @@ fn directions_go_to_the_image_of_the_host() {
     for mut lender in lenders {
         lender.destroy(&device, scene.stage.host.allocator());
     }
-    scene.end_with(own);
-}
-
-#[test]
-fn directions_that_make_no_sense_are_errors_before_anything_is_recorded() {
-    let flat = Surface::from_heights(9, 11, vec![0.0; 99], Spacing::square(1.0)).unwrap();
-    let source = at(&[[2.0, 1.5]]);
-    // When the host is dropped, it reports objects that were left behind.
-    let mut scene = Scene::new(Host::new(), &flat, &source);
-    let other = Scene::new(Kept::watched(), &flat, &source);
-    let mut directions = scene.new_directions();
-    let attempt = |scene: &Scene, directions: &embed::Directions, frame: &DirectionFrame| {
-        let stage = &scene.stage;
-        stage.host.run(|commands| {
-            let recording = stage.solver.record(&stage.host.device, commands, &stage.surface);
-            recording.directions(directions, frame).unwrap_err()
-        })
-    };
-    let frame = DirectionFrame::new(SourceInput::Inline(&source), Reader::COPY);
-    assert!(matches!(attempt(&other, &directions, &frame), VulkanError::OtherSurface));
-    let absent = frame.with_sources(SourceInput::Buffer(0));
-    assert!(matches!(attempt(&scene, &directions, &absent), VulkanError::NoSuch { .. }));
-    let outside = at(&[[2.0, 11.0]]);
-    let outside = frame.with_sources(SourceInput::Inline(&outside));
-    assert!(matches!(attempt(&scene, &directions, &outside), VulkanError::Source(_)));
-    let null = embed::HostImage { image: vk::Image::null(), view: vk::ImageView::null() };
-    let error = directions.set_image(null).unwrap_err().to_string();
-    assert!(error.contains("belongs to the library"), "{error}");
-    let stage = &mut scene.stage;
-    let device = stage.host.device.clone();
-    let made = stage.solver.directions_into(&device, stage.host.allocator(), &stage.surface, null);
-    let error = made.unwrap_err().to_string();
-    assert!(error.contains("directions") && error.contains("null handle"), "{error}");
-    directions.destroy(&device, stage.host.allocator());
-    assert!(matches!(attempt(&scene, &directions, &frame), VulkanError::Destroyed));
-    scene.end();
-    other.end();
+    scene.end_with(|device, allocator| own.destroy(device, allocator));
 }

@@ -1,13 +1,13 @@
 //! Log maps in the host's frames.
 
+use geosweep::Surface;
 use geosweep::geometry;
 use geosweep::surface::builtin::Builtin;
 use geosweep::vulkan::embed::{self, LogMapFrame, PointSource, Reader, SourceInput};
-use geosweep::{Spacing, Surface};
 
 use super::Scene;
-use super::directions::on_cpu;
-use crate::embed::stage::Kept;
+use crate::common::closed::flat;
+use crate::embed::stage::{Kept, on_cpu, sources_at as at};
 
 fn read(scene: &mut Scene, log_map: &embed::LogMapImage, frame: &LogMapFrame) -> Vec<[f32; 2]> {
     let bytes = scene.copy_of(8, |recording| recording.log_map(log_map, frame).unwrap());
@@ -24,26 +24,11 @@ fn new_log_map(scene: &mut Scene) -> embed::LogMapImage {
     new
 }
 
-fn end(mut scene: Scene, mut log_map: embed::LogMapImage) {
-    let device = scene.stage.host.device.clone();
-    log_map.destroy(&device, scene.stage.host.allocator());
-    log_map.destroy(&device, scene.stage.host.allocator());
-    scene.end();
-}
-
-fn flat(rows: usize, cols: usize) -> Surface {
-    Surface::from_heights(rows, cols, vec![0.0; rows * cols], Spacing::square(1.0)).unwrap()
-}
-
-fn at(places: &[[f32; 2]]) -> Vec<PointSource> {
-    places.iter().map(|&[row, col]| PointSource::at(row, col)).collect()
-}
-
 /// Compares a log map with the CPU's. Returns the mean and the median error relative to the farthest distance,
 /// and the share of points off by more than a tenth of this distance.
 fn compare(name: &str, surface: &Surface, sources: &[PointSource]) -> [f64; 3] {
     let mut scene = Scene::new(Kept::watched_but_for_shaders(), surface, sources);
-    let log_map = new_log_map(&mut scene);
+    let mut log_map = new_log_map(&mut scene);
     let frame = LogMapFrame::new(SourceInput::Inline(sources), Reader::COPY);
     let found = read(&mut scene, &log_map, &frame);
     // A second recording gives the same coordinates.
@@ -71,7 +56,7 @@ fn compare(name: &str, surface: &Surface, sources: &[PointSource]) -> [f64; 3] {
     let off = errors.iter().filter(|error| **error > 0.1).count() as f64 / errors.len() as f64;
     let largest = errors[errors.len() - 1];
     println!("{name}: mean {mean:.1e}, median {median:.1e}, largest {largest:.1e}, off {off:.1e}");
-    end(scene, log_map);
+    scene.end_with(|device, allocator| log_map.destroy(device, allocator));
     [mean, median, off]
 }
 
@@ -107,7 +92,7 @@ fn beyond_the_radius_there_are_no_coordinates() {
     let surface = Builtin::Sphere.surface(65, 65).unwrap();
     let sources = at(&[[20.25, 30.5]]);
     let mut scene = Scene::new(Kept::watched_but_for_shaders(), &surface, &sources);
-    let log_map = new_log_map(&mut scene);
+    let mut log_map = new_log_map(&mut scene);
     let frame = LogMapFrame::new(SourceInput::Inline(&sources), Reader::COPY).with_unreached(-7.0);
     let whole = read(&mut scene, &log_map, &frame);
     let radius = 0.4 * scene.map.report.max_distance as f32;
@@ -131,5 +116,5 @@ fn beyond_the_radius_there_are_no_coordinates() {
         let error = refused(radius);
         assert!(error.contains("radius") && error.contains("not positive"), "{error}");
     }
-    end(scene, log_map);
+    scene.end_with(|device, allocator| log_map.destroy(device, allocator));
 }

@@ -6,41 +6,33 @@ pub mod directions;
 mod draw;
 mod log_map;
 mod paths;
+mod refused;
 mod regions;
-mod walks;
 
-use geosweep::ash::vk;
+use geosweep::ash;
+use geosweep::gpu_allocator::vulkan::Allocator;
 use geosweep::surface::Chart;
 use geosweep::vulkan::Schedule;
 use geosweep::vulkan::embed::{
-    Access, CurveBuffer, CurveRecord, CurveVertex, PointSource, Points, Recording, SourceInput,
-    SurfaceInfo,
+    Access, CurveBuffer, CurveRecord, CurveVertex, PointSource, Recording, SourceInput,
 };
 use geosweep::{DistanceMap, Report, Surface, UsedEngine, Wavefront};
 
 use crate::common::Lent;
-use crate::embed::stage::{Kept, RASTER, Stage};
-use crate::host::HostBuffer;
+use crate::embed::stage::{Kept, RASTER, Stage, positions_of};
 
-/// A surface on the device with its points in a buffer, and a map on it.
-struct Scene {
+/// A surface on the device, and a map on it.
+pub struct Scene {
     stage: Stage,
-    points: HostBuffer,
     map: DistanceMap,
 }
 
 impl Scene {
     fn new(host: impl Into<Lent<Kept>>, surface: &Surface, sources: &[PointSource]) -> Self {
-        let chart = surface.chart();
-        let mut host = host.into();
-        let points = host.buffer_of(&positions(surface));
-        let inputs = [Points::positions(points.handle, 12)];
-        let edge_rule = surface.edge_rule();
-        let info = SurfaceInfo::new(chart).with_points(&inputs).with_edge_rule(edge_rule);
-        let stage = Stage::new(host, &RASTER, &info);
+        let stage = Stage::on(host, &RASTER, (surface, None), positions_of(surface));
         let plan = stage.plan(Schedule::Raster, Wavefront::Curved, 6);
-        let map = map_of(chart, stage.map(0, SourceInput::Inline(sources), &plan));
-        Self { stage, points, map }
+        let map = map_of(surface.chart(), stage.map(0, SourceInput::Inline(sources), &plan));
+        Self { stage, map }
     }
 
     /// Records curves, and reads them.
@@ -58,9 +50,7 @@ impl Scene {
             let recording = solver.record(&device, commands, surface);
             recording.begin(Access::NONE);
             record(recording);
-            let all = [vk::BufferCopy::default().size(bytes)];
-            unsafe { device.cmd_copy_buffer(commands, curves.buffer, copy.handle, &all) };
-            host.barrier(commands, Access::TRANSFER_WRITE, Access::HOST_READ);
+            host.copy_buffer(commands, curves.buffer, &copy, bytes);
         });
         let (records, rest) = copy.bytes().split_at(curves.vertices_offset as usize);
         let record = |number| {
@@ -76,19 +66,16 @@ impl Scene {
 
     /// Asserts that nothing is left in the allocator, and that the validation layers have reported nothing.
     fn end(self) {
-        self.stage.end([self.points]);
+        self.stage.end([]);
     }
-}
 
-/// Returns x, y and z of each point, NaN in holes.
-pub fn positions(surface: &Surface) -> Vec<f32> {
-    let chart = surface.chart();
-    let position = |index| {
-        let (row, col) = chart.position(index);
-        let place = surface.position(row, col).filter(|_| surface.has(row, col));
-        place.map_or([f32::NAN; 3], |position| position.as_vec3().to_array())
-    };
-    (0..chart.points()).flat_map(position).collect()
+    /// Destroys an output of the surface, twice, and ends as [`Self::end`].
+    fn end_with(mut self, mut destroy: impl FnMut(&ash::Device, &mut Allocator)) {
+        let device = self.stage.host.device.clone();
+        destroy(&device, self.stage.host.allocator());
+        destroy(&device, self.stage.host.allocator());
+        self.end();
+    }
 }
 
 /// Returns a map as if the engine had returned it.
@@ -110,7 +97,7 @@ fn vertices<'a>(
 
 /// Returns how far the vertices are from the surface at most, relative to its extent.
 fn lifted_off(surface: &Surface, vertices: &[CurveVertex]) -> f64 {
-    let extent = positions(surface)
+    let extent = (positions_of(surface).1)
         .into_iter()
         .filter(|x| x.is_finite())
         .fold(0.0, |a: f32, x| a.max(x.abs()));

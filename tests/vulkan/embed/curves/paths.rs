@@ -1,21 +1,19 @@
 //! Paths in the host's frames.
 
-use geosweep::ash::vk;
 use geosweep::geometry::PathTracer;
 use geosweep::glam::{DVec3, Vec3};
 use geosweep::surface::EdgeLengths;
 use geosweep::surface::builtin::Builtin;
-use geosweep::vulkan::VulkanError;
 use geosweep::vulkan::embed::{
     self, Access, CurveRecord, CurveStatus, CurveVertex, PathFrame, PathsInfo, PointSource,
     SourceInput, StartInput,
 };
-use geosweep::{Sources, Spacing, Surface};
+use geosweep::{Spacing, Surface};
 
 use super::{Scene, lifted_off, vertices};
+use crate::common::closed::flat;
 use crate::common::{Random, rough};
-use crate::embed::stage::Kept;
-use crate::host::Host;
+use crate::embed::stage::{Kept, on_cpu};
 
 pub fn new_paths(scene: &mut Scene, info: PathsInfo) -> embed::Paths {
     let stage = &mut scene.stage;
@@ -48,11 +46,8 @@ pub fn read(
     })
 }
 
-fn end(mut scene: Scene, mut paths: embed::Paths) {
-    let device = scene.stage.host.device.clone();
-    paths.destroy(&device, scene.stage.host.allocator());
-    paths.destroy(&device, scene.stage.host.allocator());
-    scene.end();
+fn end(scene: Scene, mut paths: embed::Paths) {
+    scene.end_with(|device, allocator| paths.destroy(device, allocator));
 }
 
 /// Compares paths. Returns three relative differences of lengths: from the CPU's paths on the same map, for
@@ -75,11 +70,8 @@ fn compare(
     let (records, all) = read(&mut scene, &paths, inline, given);
 
     let edges = EdgeLengths::new(surface).unwrap();
-    let at = sources
-        .iter()
-        .fold(Sources::default(), |at, s| at.and_point(s.row.into(), s.col.into(), s.time.into()));
-    let on_cpu =
-        PathTracer::new(surface, &edges, &at, &scene.map.distances).unwrap().along_the_map();
+    let exact_tracer = PathTracer::new(surface, &edges, &on_cpu(sources), &scene.map.distances);
+    let on_cpu = exact_tracer.unwrap().along_the_map();
     let [mut from_map, mut from_exact, mut off] = [0.0f64; 3];
     let mut from_cpu = Vec::new();
     for (number, (record, start)) in records.iter().zip(&starts).enumerate() {
@@ -215,9 +207,7 @@ fn paths_on_the_sphere_are_great_circles() {
 fn impossible_paths_give_a_reason() {
     // A column of holes cuts the surface in two.
     let mask: Vec<_> = (0..9 * 11).map(|i| i % 11 != 6).collect();
-    let heights = vec![0.0; 9 * 11];
-    let surface = Surface::from_heights(9, 11, heights, Spacing::square(1.0)).unwrap();
-    let surface = surface.with_mask(&mask).unwrap();
+    let surface = flat(9, 11).with_mask(&mask).unwrap();
     let source = PointSource::at(2.0, 1.5);
     let mut scene = Scene::new(Kept::watched(), &surface, &[source]);
     let paths = new_paths(&mut scene, PathsInfo::new(12, 9));
@@ -265,59 +255,6 @@ fn impossible_paths_give_a_reason() {
     let (records, _) = read(&mut scene, &paths, StartInput::Inline(&[]), inline);
     assert!(records.iter().all(|record| record.status() == Outside));
     end(scene, paths);
-}
-
-#[test]
-fn paths_that_make_no_sense_are_errors_before_anything_is_recorded() {
-    let heights = vec![0.0; 9 * 11];
-    let surface = Surface::from_heights(9, 11, heights, Spacing::square(1.0)).unwrap();
-    let source = PointSource::at(2.0, 1.5);
-    // When the host is dropped, it reports objects that were left behind.
-    let mut scene = Scene::new(Host::new(), &surface, &[source]);
-    let other = Scene::new(Kept::watched(), &surface, &[source]);
-    let paths = new_paths(&mut scene, PathsInfo::new(2, 30));
-    let attempt = |scene: &Scene, frame: &PathFrame| {
-        let stage = &scene.stage;
-        stage.host.run(|commands| {
-            let recording = stage.solver.record(&stage.host.device, commands, &stage.surface);
-            recording.paths(&paths, frame).unwrap_err()
-        })
-    };
-    let places = [source];
-    let frame = PathFrame::new(
-        StartInput::Inline(&[[0.0; 2]; 2]),
-        SourceInput::Inline(&places),
-        Access::DRAW,
-    );
-    assert!(matches!(attempt(&other, &frame), VulkanError::OtherSurface));
-    let absent = frame.with_points(1);
-    assert!(matches!(attempt(&scene, &absent), VulkanError::NoSuch { .. }));
-    let absent = frame.with_sources(SourceInput::Buffer(0));
-    assert!(matches!(attempt(&scene, &absent), VulkanError::NoSuch { .. }));
-    let buffer = |buffer, offset| StartInput::Buffer { buffer, offset, count: 1 };
-    for (starts, reason) in [
-        (StartInput::Inline(&[[0.0; 2]; 3]), "3 starts"),
-        (buffer(vk::Buffer::null(), 0), "null handle"),
-        (buffer(scene.points.handle, 2), "offset 2"),
-    ] {
-        let error = attempt(&scene, &frame.with_starts(starts)).to_string();
-        assert!(error.contains(reason), "{error}");
-    }
-    let stage = &mut scene.stage;
-    let device = stage.host.device.clone();
-    for (paths, vertices, reason) in [
-        (0, 9, "from 1 to"),
-        (70_000, 9, "from 1 to"),
-        (9, 1, "too few"),
-        (60_000, 60_000, "bytes"),
-    ] {
-        let info = PathsInfo::new(paths, vertices);
-        let made = stage.solver.paths(&device, stage.host.allocator(), &stage.surface, info);
-        let error = made.unwrap_err().to_string();
-        assert!(error.starts_with("no paths: ") && error.contains(reason), "{error}");
-    }
-    end(scene, paths);
-    other.end();
 }
 
 /// The surfaces have steep random steps, holes, and cells up to 25 times as long as wide.

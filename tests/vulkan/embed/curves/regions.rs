@@ -1,79 +1,56 @@
 //! Regions of the points nearest to each source, compared with the CPU's.
 
 use geosweep::MetricTensor;
-use geosweep::ash::vk;
 use geosweep::cpu::twins;
 use geosweep::geometry::{NO_REGION, Voronoi};
 use geosweep::surface::builtin::Builtin;
-use geosweep::surface::{Chart, Direction, EdgeLengths, Seed};
+use geosweep::surface::{Chart, Direction, EdgeLengths, Geometry, Seed};
+use geosweep::vulkan::Schedule;
 use geosweep::vulkan::embed::{
-    Access, PointKind, PointMemory, PointSource, Points, RegionFrame, Regions, SourceBuffer,
-    SourceInput, SurfaceInfo,
+    Access, PointSource, Points, RegionFrame, Regions, SourceBuffer, SourceInput, SurfaceInfo,
 };
-use geosweep::vulkan::{Schedule, VulkanError};
-use geosweep::{Sources, Spacing, Surface, Wavefront};
+use geosweep::{Sources, Surface, Wavefront};
 
-use super::positions;
+use crate::common::closed::flat;
 use crate::common::{Lent, Random, rough};
-use crate::embed::stage::{Kept, RASTER, STOP, Stage};
-use crate::host::{Host, HostBuffer};
+use crate::embed::stage::{
+    Kept, RASTER, STOP, Stage, numbers_of, on_cpu, positions_of, sources_at as at,
+};
+use crate::host::HostBuffer;
 
 /// A surface on the device, with maps of one wavefront.
 pub struct Atlas {
     pub stage: Stage,
-    buffers: Vec<HostBuffer>,
-    regions: Regions,
+    pub regions: Regions,
     wavefront: Wavefront,
 }
 
 /// Labels, and the map from which they were found.
-struct Found {
+pub struct Found {
     labels: Vec<u32>,
     map: Vec<f32>,
 }
 
 impl Atlas {
-    fn new(host: impl Into<Lent<Kept>>, surface: &Surface, wavefront: Wavefront) -> Self {
-        Self::with(host, surface, wavefront, None, 0)
-    }
-
-    /// Creates an atlas. If there is a metric, the surface on the device has only the metric. The buffer of sources
-    /// has room for `sources` of them.
-    fn with(
-        host: impl Into<Lent<Kept>>,
-        surface: &Surface,
-        wavefront: Wavefront,
-        metric: Option<&[f32]>,
-        sources: u32,
-    ) -> Self {
-        let mut host = host.into();
-        let points = host.buffer_of(&metric.map_or_else(|| positions(surface), <[f32]>::to_vec));
-        let listed = host.buffer(16 * u64::from(sources.max(1)), true);
-        let kind = if metric.is_some() { PointKind::Metric } else { PointKind::Positions };
-        let memory = PointMemory::Buffer { buffer: points.handle, offset: 0, stride: 12 };
-        let inputs = [Points { memory, kind, slowness: None }];
-        let source_buffers =
-            [SourceBuffer { buffer: listed.handle, offset: 0, count: sources.max(1) }];
-        let edge_rule = surface.edge_rule();
-        let info = SurfaceInfo::new(surface.chart())
-            .with_points(&inputs)
-            .with_sources(&source_buffers)
-            .with_edge_rule(edge_rule);
-        let stage = Stage::new(host, &RASTER, &info);
-        Self::of(stage, vec![points, listed], wavefront)
+    pub fn new(host: impl Into<Lent<Kept>>, surface: &Surface, wavefront: Wavefront) -> Self {
+        let numbers = match surface.geometry() {
+            Geometry::Metric(_) => numbers_of(surface),
+            _ => positions_of(surface),
+        };
+        Self::of(Stage::on(host, &RASTER, (surface, None), numbers), wavefront)
     }
 
     /// Creates an atlas of the surface of a stage.
-    pub fn of(mut stage: Stage, buffers: Vec<HostBuffer>, wavefront: Wavefront) -> Self {
+    pub fn of(mut stage: Stage, wavefront: Wavefront) -> Self {
         let device = stage.host.device.clone();
         let Stage { host, solver, surface, .. } = &mut stage;
         let regions = solver.regions(&device, host.allocator(), surface, wavefront).unwrap();
         let stated = solver.bytes_for_regions(&device, surface.chart()).unwrap();
         assert_eq!(regions.bytes(), stated);
-        Self { stage, buffers, regions, wavefront }
+        Self { stage, regions, wavefront }
     }
 
-    fn find(&mut self, sources: SourceInput) -> Found {
+    pub fn find(&mut self, sources: SourceInput) -> Found {
         let plan = self.stage.plan(Schedule::Raster, self.wavefront, 6);
         let map = self.stage.map(0, sources, &plan);
         Found { labels: self.labels(sources), map }
@@ -90,9 +67,7 @@ impl Atlas {
             let frame = RegionFrame::new(sources, Access::TRANSFER_READ);
             let labels = recording.regions(&self.regions, &frame).unwrap();
             assert_eq!(labels, self.regions.labels());
-            let all = [vk::BufferCopy::default().size(bytes)];
-            unsafe { device.cmd_copy_buffer(commands, labels.buffer, copy.handle, &all) };
-            host.barrier(commands, Access::TRANSFER_WRITE, Access::HOST_READ);
+            host.copy_buffer(commands, labels.buffer, &copy, bytes);
         });
         let labels = copy.bytes()[..bytes as usize].chunks_exact(4);
         let labels = labels.map(|label| u32::from_ne_bytes(label.try_into().unwrap())).collect();
@@ -101,27 +76,16 @@ impl Atlas {
     }
 
     pub fn end(self) {
-        let Self { mut stage, buffers, mut regions, .. } = self;
+        self.end_with([]);
+    }
+
+    fn end_with(self, buffers: impl IntoIterator<Item = HostBuffer>) {
+        let Self { mut stage, mut regions, .. } = self;
         let device = stage.host.device.clone();
         regions.destroy(&device, stage.host.allocator());
         regions.destroy(&device, stage.host.allocator());
         stage.end(buffers);
     }
-}
-
-fn flat(rows: usize, cols: usize) -> Surface {
-    Surface::from_heights(rows, cols, vec![0.0; rows * cols], Spacing::square(1.0)).unwrap()
-}
-
-fn at(places: &[[f32; 2]]) -> Vec<PointSource> {
-    places.iter().map(|&[row, col]| PointSource::at(row, col)).collect()
-}
-
-fn on_cpu(sources: &[PointSource]) -> Sources {
-    let add = |all: Sources, source: &PointSource| {
-        all.and_point(source.row.into(), source.col.into(), source.time.into())
-    };
-    sources.iter().fold(Sources::default(), add)
 }
 
 /// Returns the number of labels in `found` that differ from `others`. Also returns the largest distance, in points,
@@ -250,7 +214,10 @@ fn labels_are_those_of_the_cpu_but_beside_borders() {
 }
 
 fn surface_extent(surface: &Surface) -> f32 {
-    positions(surface).into_iter().filter(|x| x.is_finite()).fold(0.0, |a: f32, x| a.max(x.abs()))
+    (positions_of(surface).1)
+        .into_iter()
+        .filter(|x| x.is_finite())
+        .fold(0.0, |a: f32, x| a.max(x.abs()))
 }
 
 /// The layers check the shaders too.
@@ -289,16 +256,12 @@ fn a_metric_has_regions() {
     let chart = Chart { rows: 41, cols: 53 };
     let tensor = |index: usize| {
         let (row, col) = chart.position(index);
-        let wave = (0.2 * row as f32).sin() * (0.15 * col as f32).cos();
-        [1.5 + 0.3 * wave, 0.4, 1.0]
+        let wave = (0.2 * row as f64).sin() * (0.15 * col as f64).cos();
+        MetricTensor { rr: 1.5 + 0.3 * wave, rc: 0.4, cc: 1.0 }
     };
-    let tensors: Vec<[f32; 3]> = (0..chart.points()).map(tensor).collect();
-    let metric =
-        |[rr, rc, cc]: [f32; 3]| MetricTensor { rr: rr.into(), rc: rc.into(), cc: cc.into() };
-    let metric = tensors.iter().copied().map(metric).collect();
+    let metric = (0..chart.points()).map(tensor).collect();
     let surface = Surface::from_metric(chart.rows, chart.cols, metric).unwrap();
-    let (host, given) = (Kept::watched(), Some(tensors.as_flattened()));
-    let mut atlas = Atlas::with(host, &surface, Wavefront::Curved, given, 0);
+    let mut atlas = Atlas::new(Kept::watched(), &surface, Wavefront::Curved);
     let sources = at(&[[10.0, 12.0], [33.25, 40.5], [5.0, 45.0]]);
     compare("metric", &mut atlas, &surface, &sources, 2);
     atlas.end();
@@ -314,10 +277,14 @@ fn labels_are_places_in_the_list() {
     let nowhere = PointSource { row: f32::NAN, ..first };
     // A source in the hole, one at no place, one that is too late, and one that is listed twice.
     let list = [PointSource::at(5.0, 7.0), second, nowhere, first, late, second, first];
-    let mut atlas =
-        Atlas::with(Kept::watched(), &surface, Wavefront::Curved, None, list.len() as u32);
-    let numbers: Vec<f32> = bytemuck::cast_slice(&list).to_vec();
-    atlas.buffers[1].floats_mut()[..numbers.len()].copy_from_slice(&numbers);
+    let mut host = Kept::watched();
+    let points = host.buffer_of(&positions_of(&surface).1);
+    let listed = host.buffer_of(bytemuck::cast_slice(&list));
+    let inputs = [Points::positions(points.handle, 12)];
+    let count = list.len() as u32;
+    let sources = [SourceBuffer { buffer: listed.handle, offset: 0, count }];
+    let info = SurfaceInfo::new(surface.chart()).with_points(&inputs).with_sources(&sources);
+    let mut atlas = Atlas::of(Stage::new(host, &RASTER, &info), Wavefront::Curved);
     let found = atlas.find(SourceInput::Buffer(0));
     let edges = EdgeLengths::new(&surface).unwrap();
     let of_two = Voronoi::new(&surface, &edges, &on_cpu(&[second, first]), &found.map).unwrap();
@@ -335,16 +302,10 @@ fn labels_are_places_in_the_list() {
     // A source that is added gets its region.
     let plan = atlas.stage.plan(Schedule::Raster, Wavefront::Curved, 6);
     atlas.stage.map(0, SourceInput::Inline(&pair[..1]), &plan);
-    atlas.stage.run(|recording| {
-        recording.begin(Access::NONE);
-        recording.add(SourceInput::Inline(&pair[1..]), &plan)?;
-        recording.outcome(0)?;
-        recording.result(0, geosweep::vulkan::embed::Reader::COPY, f32::INFINITY)
-    });
-    atlas.stage.finish(&plan);
+    atlas.stage.add(SourceInput::Inline(&pair[1..]), &plan);
     let added = atlas.labels(SourceInput::Inline(&pair));
     assert_eq!(off(surface.chart(), &added, &found.labels), (0, 0));
-    atlas.end();
+    atlas.end_with([points, listed]);
 }
 
 /// A curve is a list of points on the grid, and a table names the curve of each point.
@@ -421,38 +382,4 @@ fn borders_behind_close_pairs_turn_by_a_bounded_angle() {
         assert!(found.labels.contains(&0) && found.labels.contains(&1));
     }
     atlas.end();
-}
-
-#[test]
-fn regions_that_make_no_sense_are_errors_before_anything_is_recorded() {
-    let surface = flat(9, 13);
-    // When the host is dropped, it reports objects that were left behind.
-    let mut atlas = Atlas::new(Host::new(), &surface, Wavefront::Planar);
-    let other = Atlas::new(Kept::watched(), &surface, Wavefront::Planar);
-    let sources = at(&[[1.0, 2.0]]);
-    atlas.find(SourceInput::Inline(&sources));
-    let attempt = |atlas: &Atlas, regions: &Regions, sources: SourceInput| {
-        let stage = &atlas.stage;
-        stage.host.run(|commands| {
-            let recording = stage.solver.record(&stage.host.device, commands, &stage.surface);
-            let frame = RegionFrame::new(sources, Access::NONE);
-            recording.regions(regions, &frame).unwrap_err()
-        })
-    };
-    let inline = SourceInput::Inline(&sources);
-    assert!(matches!(attempt(&atlas, &other.regions, inline), VulkanError::OtherSurface));
-    let absent = SourceInput::Buffer(1);
-    assert!(matches!(attempt(&atlas, &atlas.regions, absent), VulkanError::NoSuch { .. }));
-    let many = vec![sources[0]; 1025];
-    let many = SourceInput::Inline(&many);
-    assert!(matches!(attempt(&atlas, &atlas.regions, many), VulkanError::TooManySources { .. }));
-    let outside = at(&[[9.0, 2.0]]);
-    let outside = attempt(&atlas, &atlas.regions, SourceInput::Inline(&outside)).to_string();
-    assert!(outside.contains("outside the grid"), "{outside}");
-    let huge = Chart { rows: 1 << 14, cols: 1 << 14 };
-    let stage = &atlas.stage;
-    let refused = stage.solver.bytes_for_regions(&stage.host.device, huge).unwrap_err().to_string();
-    assert!(refused.contains("bytes") || refused.contains("points"), "{refused}");
-    atlas.end();
-    other.end();
 }

@@ -4,16 +4,17 @@ use geosweep::ash::vk;
 use geosweep::gpu_allocator::MemoryLocation;
 use geosweep::gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme};
 
-use crate::Result;
-use crate::gpu::Gpu;
+use super::context::{Context, Result};
 
+/// A buffer. [`Buffer::destroy`] frees it.
 pub struct Buffer {
     pub handle: vk::Buffer,
     allocation: Option<Allocation>,
 }
 
+/// An image with a view of all of it. [`Image::destroy`] frees it.
 pub struct Image {
-    pub handle: vk::Image,
+    pub image: vk::Image,
     pub view: vk::ImageView,
     allocation: Option<Allocation>,
 }
@@ -31,34 +32,52 @@ pub fn whole(aspect: vk::ImageAspectFlags) -> vk::ImageSubresourceRange {
     vk::ImageSubresourceRange::default().aspect_mask(aspect).level_count(1).layer_count(1)
 }
 
+/// Returns the copy of a whole color image to the beginning of a buffer.
+pub fn whole_copy(extent: vk::Extent2D) -> vk::BufferImageCopy {
+    let layers = vk::ImageSubresourceLayers::default()
+        .aspect_mask(vk::ImageAspectFlags::COLOR)
+        .layer_count(1);
+    vk::BufferImageCopy::default().image_subresource(layers).image_extent(extent.into())
+}
+
 impl Buffer {
     pub fn new(
-        gpu: &mut Gpu,
+        context: &mut Context,
         name: &str,
         bytes: u64,
         usage: vk::BufferUsageFlags,
         location: MemoryLocation,
     ) -> Result<Self> {
         let info = vk::BufferCreateInfo::default().size(bytes).usage(usage);
+        Self::of(context, name, &info, location)
+    }
+
+    /// Creates a buffer by its info.
+    pub fn of(
+        context: &mut Context,
+        name: &str,
+        info: &vk::BufferCreateInfo,
+        location: MemoryLocation,
+    ) -> Result<Self> {
         // SAFETY: the memory is bound before anything uses the buffer.
         unsafe {
-            let handle = gpu.device.create_buffer(&info, None)?;
-            let requirements = gpu.device.get_buffer_memory_requirements(handle);
-            let allocation = allocate(gpu, name, requirements, location, true)?;
-            gpu.device.bind_buffer_memory(handle, allocation.memory(), allocation.offset())?;
+            let handle = context.device.create_buffer(info, None)?;
+            let requirements = context.device.get_buffer_memory_requirements(handle);
+            let allocation = allocate(context, name, requirements, location, true)?;
+            context.device.bind_buffer_memory(handle, allocation.memory(), allocation.offset())?;
             Ok(Self { handle, allocation: Some(allocation) })
         }
     }
 
     /// Creates a buffer that the program fills now and shaders read.
     pub fn filled(
-        gpu: &mut Gpu,
+        context: &mut Context,
         name: &str,
         content: &[u8],
         usage: vk::BufferUsageFlags,
     ) -> Result<Self> {
         let location = MemoryLocation::CpuToGpu;
-        let mut buffer = Self::new(gpu, name, content.len() as u64, usage, location)?;
+        let mut buffer = Self::new(context, name, content.len() as u64, usage, location)?;
         buffer.bytes_mut()[..content.len()].copy_from_slice(content);
         Ok(buffer)
     }
@@ -75,17 +94,35 @@ impl Buffer {
         allocation.mapped_slice_mut().expect("the buffer was made to be mapped")
     }
 
-    pub fn destroy(&mut self, gpu: &mut Gpu) {
+    /// Returns the mapped memory as floats.
+    pub fn floats(&self) -> &[f32] {
+        let bytes = self.bytes();
+        bytemuck::cast_slice(&bytes[..bytes.len() / 4 * 4])
+    }
+
+    /// Returns the mapped memory as floats. No submitted work may be using it.
+    pub fn floats_mut(&mut self) -> &mut [f32] {
+        let bytes = self.bytes_mut();
+        let words = bytes.len() / 4 * 4;
+        bytemuck::cast_slice_mut(&mut bytes[..words])
+    }
+
+    pub fn destroy(&mut self, context: &mut Context) {
         if let Some(allocation) = self.allocation.take() {
             // SAFETY: nothing is in flight.
-            unsafe { gpu.device.destroy_buffer(self.handle, None) };
-            let _ = gpu.allocator().free(allocation);
+            unsafe { context.device.destroy_buffer(self.handle, None) };
+            let _ = context.allocator().free(allocation);
         }
     }
 }
 
 impl Image {
-    pub fn new(gpu: &mut Gpu, name: &str, size: vk::Extent2D, with: &ImageUse) -> Result<Self> {
+    pub fn new(
+        context: &mut Context,
+        name: &str,
+        size: vk::Extent2D,
+        with: &ImageUse,
+    ) -> Result<Self> {
         let info = vk::ImageCreateInfo::default()
             .image_type(vk::ImageType::TYPE_2D)
             .format(with.format)
@@ -93,45 +130,44 @@ impl Image {
             .mip_levels(1)
             .array_layers(1)
             .samples(with.samples)
-            .tiling(vk::ImageTiling::OPTIMAL)
             .usage(with.usage);
         // SAFETY: the memory is bound before anything uses the image.
         unsafe {
-            let handle = gpu.device.create_image(&info, None)?;
-            let requirements = gpu.device.get_image_memory_requirements(handle);
+            let image = context.device.create_image(&info, None)?;
+            let requirements = context.device.get_image_memory_requirements(image);
             let location = MemoryLocation::GpuOnly;
-            let allocation = allocate(gpu, name, requirements, location, false)?;
-            gpu.device.bind_image_memory(handle, allocation.memory(), allocation.offset())?;
+            let allocation = allocate(context, name, requirements, location, false)?;
+            context.device.bind_image_memory(image, allocation.memory(), allocation.offset())?;
             let view = vk::ImageViewCreateInfo::default()
-                .image(handle)
+                .image(image)
                 .view_type(vk::ImageViewType::TYPE_2D)
                 .format(with.format)
                 .subresource_range(whole(with.aspect));
-            let view = gpu.device.create_image_view(&view, None)?;
-            Ok(Self { handle, view, allocation: Some(allocation) })
+            let view = context.device.create_image_view(&view, None)?;
+            Ok(Self { image, view, allocation: Some(allocation) })
         }
     }
 
-    pub fn destroy(&mut self, gpu: &mut Gpu) {
+    pub fn destroy(&mut self, context: &mut Context) {
         if let Some(allocation) = self.allocation.take() {
             // SAFETY: nothing is in flight.
             unsafe {
-                gpu.device.destroy_image_view(self.view, None);
-                gpu.device.destroy_image(self.handle, None);
+                context.device.destroy_image_view(self.view, None);
+                context.device.destroy_image(self.image, None);
             }
-            let _ = gpu.allocator().free(allocation);
+            let _ = context.allocator().free(allocation);
         }
     }
 }
 
 fn allocate(
-    gpu: &mut Gpu,
+    context: &mut Context,
     name: &str,
     requirements: vk::MemoryRequirements,
     location: MemoryLocation,
     linear: bool,
 ) -> Result<Allocation> {
-    Ok(gpu.allocator().allocate(&AllocationCreateDesc {
+    Ok(context.allocator().allocate(&AllocationCreateDesc {
         name,
         requirements,
         location,
