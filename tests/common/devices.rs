@@ -76,20 +76,40 @@ impl<T: Send> Pool<T> {
     /// return its item, so that the next test does not see its state.
     pub fn lend(&'static self, open: impl FnOnce() -> T, check: fn(&T)) -> Lent<T> {
         let idle = self.0.lock().unwrap().pop();
-        let opened = || {
-            let item = open();
-            let close = move || self.0.lock().unwrap().clear();
-            LAST.lock().unwrap().push(Box::new(close));
-            item
-        };
-        Lent { item: Some(idle.unwrap_or_else(opened)), back: Some((self, check)) }
+        Lent { item: Some(idle.unwrap_or_else(open)), back: Some((self, check, Self::take_back)) }
+    }
+
+    fn take_back(&'static self, item: T) {
+        self.0.lock().unwrap().push(item);
+        LAST.lock().unwrap().push(Box::new(move || self.0.lock().unwrap().clear()));
+        let mut most = MOST.lock().unwrap();
+        if resident() > *most {
+            close_idle();
+            // What is left belongs to items in use, or to the heap. Without this, each further item would be closed.
+            *most = (*most).max(resident() + (1 << 28));
+        }
     }
 }
 
-/// Functions that run when the process ends.
+/// Functions that close idle items.
 static LAST: Mutex<Vec<Box<dyn FnOnce() + Send>>> = Mutex::new(Vec::new());
+/// Bytes of the process above which idle items are closed: their pipelines take up to hundreds of megabytes. Pipelines
+/// that are made again come from the driver's cache.
+static MOST: Mutex<u64> = Mutex::new(5 << 28);
 
-/// Registers the functions that run when the process ends. They run before all functions that libraries have
+/// Returns the bytes of the process in memory, or 0 where the system does not tell.
+fn resident() -> u64 {
+    let pages = std::fs::read_to_string("/proc/self/statm").ok();
+    let pages = pages.and_then(|text| text.split(' ').nth(1)?.parse::<u64>().ok());
+    4096 * pages.unwrap_or(0)
+}
+
+fn close_idle() {
+    let closers = std::mem::take(&mut *LAST.lock().unwrap());
+    closers.into_iter().for_each(|close| close());
+}
+
+/// Registers the function that runs when the process ends. It runs before all functions that libraries have
 /// registered so far, since the last one registered runs first. Layers register functions when they are
 /// loaded and also when they are used, so each use of a device ends with this call.
 fn close_at_exit() {
@@ -98,8 +118,7 @@ fn close_at_exit() {
         safe fn atexit(function: extern "C" fn()) -> c_int;
     }
     extern "C" fn all() {
-        let last = std::mem::take(&mut *LAST.lock().unwrap());
-        last.into_iter().for_each(|last| last());
+        close_idle();
     }
     assert_eq!(atexit(all), 0, "no more can be done at exit");
 }
@@ -111,7 +130,7 @@ pub struct Lent<T: 'static> {
     back: Option<Return<T>>,
 }
 
-type Return<T> = (&'static Pool<T>, fn(&T));
+type Return<T> = (&'static Pool<T>, fn(&T), fn(&'static Pool<T>, T));
 
 impl<T> From<T> for Lent<T> {
     fn from(own: T) -> Self {
@@ -136,10 +155,10 @@ impl<T> DerefMut for Lent<T> {
 impl<T> Drop for Lent<T> {
     fn drop(&mut self) {
         if !std::thread::panicking()
-            && let (Some((pool, check)), Some(item)) = (self.back, self.item.take())
+            && let (Some((pool, check, take_back)), Some(item)) = (self.back, self.item.take())
         {
             check(&item);
-            pool.0.lock().unwrap().push(item);
+            take_back(pool, item);
             close_at_exit();
         }
     }

@@ -4,7 +4,7 @@
 use std::ffi::{CStr, c_char, c_void};
 use std::fmt::Write;
 use std::mem::{take, transmute};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, OnceLock, PoisonError};
 
 use geosweep::ash::{self, vk};
 use geosweep::surface::Chart;
@@ -106,16 +106,19 @@ unsafe extern "system" fn name_object(
     vk::Result::SUCCESS
 }
 
-/// Returns the functions of `VK_EXT_debug_utils` by their names.
+/// Function that finds the device's own functions.
+static REAL: OnceLock<vk::PFN_vkGetDeviceProcAddr> = OnceLock::new();
+
+/// Returns own functions for those of `VK_EXT_debug_utils`, and the device's otherwise.
 unsafe extern "system" fn debug_utils(
-    _: vk::Device,
+    device: vk::Device,
     name: *const c_char,
 ) -> vk::PFN_vkVoidFunction {
     let own = match unsafe { CStr::from_ptr(name) }.to_bytes() {
         b"vkCmdBeginDebugUtilsLabelEXT" => begin_label as *const c_void,
         b"vkCmdEndDebugUtilsLabelEXT" => end_label as *const c_void,
         b"vkSetDebugUtilsObjectNameEXT" => name_object as *const c_void,
-        _ => return None,
+        _ => return unsafe { REAL.get().unwrap()(device, name) },
     };
     // SAFETY: the function is called with the type of its name.
     unsafe { transmute::<*const c_void, vk::PFN_vkVoidFunction>(own) }
@@ -174,6 +177,7 @@ fn compare_with_guide(kind: &str, found: &str, is_same_device: bool) {
 fn a_capture_of_a_frame_is_as_the_guide_lists_it() {
     let mut host = Host::without_validation();
     let device = host.device.clone();
+    REAL.get_or_init(|| host.instance.fp_v1_0().get_device_proc_addr);
     let entry = unsafe { ash::Entry::load() }.unwrap();
     let handle = host.instance.handle();
     let instance = unsafe {
