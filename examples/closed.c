@@ -3,8 +3,8 @@
  * ellipse that swells and shrinks from frame to frame. Distances pass the seam, and those of each frame are
  * checked: unrolled, the tube is flat, and the shortest way goes round it on one side or the other.
  *
- *     cargo rustc --release --lib --features capi --crate-type cdylib,staticlib
- *     cc -std=c99 -I src/capi examples/closed.c -L target/release -lgeosweep -lvulkan -lm -o closed
+ *     cargo rustc --release -p geosweep-capi --crate-type cdylib,staticlib
+ *     cc -std=c99 -I crates/capi/src examples/closed.c -L target/release -lgeosweep_capi -lvulkan -lm -o closed
  *     LD_LIBRARY_PATH=target/release ./closed [PART OF A DEVICE'S NAME]
  */
 

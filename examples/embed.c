@@ -2,8 +2,8 @@
  * geosweep in a C program that has a Vulkan device already: distances on a height field, recorded
  * into the program's own command buffer, and checked.
  *
- *     cargo rustc --release --lib --features capi --crate-type cdylib,staticlib
- *     cc -std=c99 -I src/capi examples/embed.c -L target/release -lgeosweep -lvulkan -lm -o embed
+ *     cargo rustc --release -p geosweep-capi --crate-type cdylib,staticlib
+ *     cc -std=c99 -I crates/capi/src examples/embed.c -L target/release -lgeosweep_capi -lvulkan -lm -o embed
  *     LD_LIBRARY_PATH=target/release ./embed [PART OF A DEVICE'S NAME]
  */
 

@@ -44,7 +44,6 @@
 //! | `vulkan` | the Vulkan engine; without it the CPU computes all maps |
 //! | `formats` | the module `io`: grids, images, curves, and matrices larger than memory as files |
 //! | `canonical` | canonical forms: multidimensional scaling of geodesic distances |
-//! | `capi` | the functions for C and C++ of `geosweep.h` |
 //! | `tracing` | passes that were profiled on a device as spans of the crate `tracing` |
 //! | `shaderc` | compiles the shaders while building, in place of the SPIR-V in the package |
 //! | `twins` | the shaders' twins in Rust, for tests and studies; without promises of stability |
@@ -56,8 +55,6 @@
 pub mod accuracy;
 #[cfg(feature = "vulkan")]
 mod auto;
-#[cfg(feature = "capi")]
-pub mod capi;
 mod engine;
 mod error;
 mod estimate;

@@ -3,7 +3,7 @@
 use std::ptr::null_mut;
 
 use geosweep::ash::vk;
-use geosweep::capi::*;
+use geosweep_capi::*;
 
 use crate::heap::allocations;
 use crate::host::Host;

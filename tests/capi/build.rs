@@ -27,7 +27,7 @@ pub fn library() -> &'static Path {
     FOLDER.get_or_init(|| {
         let target = Path::new(env!("CARGO_TARGET_TMPDIR")).parent().unwrap();
         let mut cargo = Command::new(env!("CARGO"));
-        cargo.current_dir(ROOT).args(["rustc", "--lib", "--features", "capi", "--offline"]);
+        cargo.current_dir(ROOT).args(["rustc", "-p", "geosweep-capi", "--lib", "--offline"]);
         cargo.args(["--crate-type", "cdylib,staticlib"]).arg("--target-dir").arg(target);
         let profile = profile();
         cargo.arg("--profile").arg(&profile);
@@ -40,7 +40,7 @@ pub fn library() -> &'static Path {
         // Programs look for the library under this name.
         let by_soname = folder.join(soname());
         if !by_soname.exists() {
-            std::os::unix::fs::symlink("libgeosweep.so", by_soname).unwrap();
+            std::os::unix::fs::symlink("libgeosweep_capi.so", by_soname).unwrap();
         }
         folder
     })
@@ -49,7 +49,7 @@ pub fn library() -> &'static Path {
 /// Returns the name under which programs look for the shared library. It contains the header's version.
 pub fn soname() -> String {
     let [major, minor] = [env!("CARGO_PKG_VERSION_MAJOR"), env!("CARGO_PKG_VERSION_MINOR")];
-    format!("libgeosweep.so.{major}.{minor}.h{}", geosweep::capi::GEOSWEEP_HEADER_VERSION)
+    format!("libgeosweep.so.{major}.{minor}.h{}", geosweep_capi::GEOSWEEP_HEADER_VERSION)
 }
 
 /// Returns the profile of this test. Its executable is in target/PROFILE/deps; the profile dev is in
@@ -79,7 +79,7 @@ fn compiler(variable: &str, usual: &str) -> Command {
         String::from_utf8_lossy(&found.stderr)
     );
     let mut compiler = Command::new(program);
-    compiler.args(STRICT).arg("-I").arg(format!("{ROOT}/src/capi"));
+    compiler.args(STRICT).arg("-I").arg(format!("{ROOT}/crates/capi/src"));
     compiler
 }
 
@@ -118,11 +118,11 @@ pub fn compile(source: &Path, program: &Path, linkage: Linkage) {
     compiler.args([standard, "-O1", "-g", "-o"]).arg(program).arg(source);
     match linkage {
         Linkage::Shared => {
-            compiler.arg("-L").arg(library).arg("-lgeosweep");
+            compiler.arg("-L").arg(library).arg("-lgeosweep_capi");
             compiler.arg(format!("-Wl,-rpath,{}", library.display()));
         }
         Linkage::Static => {
-            compiler.arg(library.join("libgeosweep.a")).args(SYSTEM);
+            compiler.arg(library.join("libgeosweep_capi.a")).args(SYSTEM);
         }
     }
     let what = "compile and link (libvulkan.so comes with libvulkan-dev on Debian and Ubuntu)";

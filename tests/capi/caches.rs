@@ -4,7 +4,7 @@ use std::ffi::CStr;
 use std::sync::{Mutex, OnceLock};
 
 use geosweep::ash::vk::{self, Handle};
-use geosweep::capi::*;
+use geosweep_capi::*;
 
 use crate::host::Host;
 use crate::session::{

@@ -3,8 +3,8 @@
 use std::ptr::null_mut;
 
 use geosweep::Sources;
-use geosweep::capi::*;
 use geosweep::surface::{Gluing, Surface};
+use geosweep_capi::*;
 
 use crate::common::closed::{globe, grid, octahedral, tube};
 use crate::common::{CONVERGED, difference, on_cpu};

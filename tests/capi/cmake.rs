@@ -115,7 +115,7 @@ fn a_renderer_in_cpp_finds_the_package_and_has_the_map() {
 #[test]
 #[cfg(target_os = "linux")]
 fn the_library_has_a_soname() {
-    let library = fs::read(library().join("libgeosweep.so")).unwrap();
+    let library = fs::read(library().join("libgeosweep_capi.so")).unwrap();
     let soname = format!("\0{}\0", soname());
     let holds = library.windows(soname.len()).any(|bytes| bytes == soname.as_bytes());
     assert!(holds, "{:?}", OsStr::new(&soname));

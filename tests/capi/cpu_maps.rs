@@ -2,10 +2,10 @@
 
 use std::ptr::null;
 
-use geosweep::capi::*;
 use geosweep::geometry::{BackDirections, LogMap};
 use geosweep::surface::EdgeLengths;
 use geosweep::{Engine, Options, Sources, Spacing, Surface, Targets, Wavefront, distance_map};
+use geosweep_capi::*;
 
 use crate::session::{all_wrong, ok, zero};
 

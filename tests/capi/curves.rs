@@ -3,8 +3,8 @@
 use std::ptr::{null, null_mut};
 
 use geosweep::ash::vk;
-use geosweep::capi::*;
 use geosweep::vulkan::embed::Access;
+use geosweep_capi::*;
 
 use crate::host::{Host, HostBuffer};
 use crate::session::{

@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, AtomicI32, Ordering};
 
 use geosweep::ash::vk;
-use geosweep::capi::*;
+use geosweep_capi::*;
 
 use crate::host::Host;
 use crate::session::{

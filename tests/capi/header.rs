@@ -1,11 +1,11 @@
-//! The header is the one that cbindgen generates from `src/capi`.
+//! The header is the one that cbindgen generates from `crates/capi/src`.
 
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
-const HEADER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/capi/geosweep.h");
-const SOURCES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/capi");
+const HEADER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/crates/capi/src/geosweep.h");
+const SOURCES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/crates/capi/src");
 
 /// Files in the order of the header.
 const FILES: [&str; 19] = [
@@ -30,7 +30,7 @@ const FILES: [&str; 19] = [
     "profile",
 ];
 /// Files that declare nothing for C.
-const INTERNAL: [&str; 6] = ["arguments", "loader", "mod", "objects", "outputs", "shared"];
+const INTERNAL: [&str; 6] = ["arguments", "lib", "loader", "objects", "outputs", "shared"];
 
 /// Returns a source file with its macro `calls!` expanded, which cbindgen cannot do.
 fn expanded(source: &str) -> String {
@@ -81,7 +81,7 @@ fn the_header_is_that_of_the_sources() {
     let committed = fs::read_to_string(HEADER).unwrap_or_default();
     assert!(
         committed == generated,
-        "src/capi/geosweep.h is not that of src/capi/*.rs; renew it, look at it and commit it:\n    \
+        "crates/capi/src/geosweep.h is not that of crates/capi/src/*.rs; renew it, look at it and commit it:\n    \
          GEOSWEEP_UPDATE_HEADER=1 cargo test --release --all-features --test capi header\n\
          first lines that differ: {:#?}",
         committed.lines().zip(generated.lines()).find(|(a, b)| a != b)

@@ -2,7 +2,7 @@
 //! behind after a map.
 
 use geosweep::ash::vk;
-use geosweep::capi::*;
+use geosweep_capi::*;
 
 use crate::common::difference;
 use crate::common::parts::assert_is_part;

@@ -9,7 +9,7 @@ use geosweep::ash::{
     self,
     vk::{self, Handle},
 };
-use geosweep::capi::*;
+use geosweep_capi::*;
 
 use crate::host::Host;
 use crate::session::{

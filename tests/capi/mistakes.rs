@@ -4,7 +4,7 @@
 use std::ptr::null_mut;
 
 use geosweep::ash::vk;
-use geosweep::capi::*;
+use geosweep_capi::*;
 
 use crate::host::{Host, HostBuffer};
 use crate::session::{

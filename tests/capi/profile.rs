@@ -3,7 +3,7 @@
 use std::ffi::CStr;
 use std::ptr::null_mut;
 
-use geosweep::capi::*;
+use geosweep_capi::*;
 
 use crate::host::{self, Host};
 use crate::session::{

@@ -174,7 +174,7 @@ fn objects_in_cpp_are_destroyed_once_and_in_order() {
 /// Both libraries contain all functions of the header: a program that takes the address of each one links.
 #[test]
 fn all_functions_are_in_both_libraries() {
-    let header = read("src/capi/geosweep.h");
+    let header = read("crates/capi/src/geosweep.h");
     let declared =
         header.lines().filter(|line| !line.trim_start().starts_with("//") && line.contains('('));
     let names: BTreeSet<_> = declared

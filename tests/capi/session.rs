@@ -4,7 +4,7 @@ use std::ffi::{CStr, c_char};
 use std::sync::OnceLock;
 
 use geosweep::ash::{self, vk};
-use geosweep::capi::*;
+use geosweep_capi::*;
 
 use crate::host::{Host, HostBuffer};
 

@@ -23,7 +23,7 @@ pub struct QueryRange {
 #[non_exhaustive]
 pub struct Slots {
     /// `passes + 1` queries of a pool of type `TIMESTAMP`. The first is written at the start of the
-    /// recording, and the following ones at the end of each pass in turn. With [`Grain::Portions`] the last
+    /// recording, and the following ones at the end of each pass in turn. With [`super::Grain::Portions`] the last
     /// ones stay unused.
     pub timestamps: Option<QueryRange>,
     /// `passes` queries, one for each pass, of a pool of type `PIPELINE_STATISTICS` with the single statistic

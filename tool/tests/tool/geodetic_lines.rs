@@ -59,7 +59,7 @@ fn regions_and_pairs_are_those_of_the_cells_of_the_file() {
     let row = format!("distance {file} {GLOBE} pixel --precision single -s 8,36 -o row.npy");
     let outside = bench.run(&row);
     assert!(outside.status.success(), "the column that is added is a place: {}", stderr(&outside));
-    bench.done(&row.replace("8,36", "8,35").replace("row.npy", "other.npy"));
+    bench.done(row.replace("8,36", "8,35").replace("row.npy", "other.npy"));
     let row = bench.map("other.npy");
     assert_eq!(rows.len(), 3 * 648);
     for (found, exact) in rows[..648].iter().zip(&row) {

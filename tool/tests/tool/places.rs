@@ -81,7 +81,7 @@ fn curves_start_with_one_value() {
         &[0., 0., 2., 8., 0., 2., f64::NAN, f64::NAN, f64::NAN, 0., 8., 5., 8., 8., 5.],
     );
     for file in [curve, array] {
-        bench.done(&line(&file));
+        bench.done(line(&file));
         for (index, distance) in bench.map("map.npy").iter().enumerate() {
             let col = (index % 9) as f64;
             let exact = (2.0 + col).min(5.0 + 8.0 - col);

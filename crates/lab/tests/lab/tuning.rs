@@ -16,7 +16,7 @@ fn rows<'a>(report: &'a Value, schedule: &'a str) -> impl Iterator<Item = &'a Va
 fn a_sweep_finds_the_same_maps_and_suggests_among_what_it_tried() {
     let bench = Workbench::new();
     // A busy machine needs longer than the default budget.
-    let report = bench.json(&QUICK.replace("--json", "--budget 600 --json"));
+    let report = bench.json(QUICK.replace("--json", "--budget 600 --json"));
     let mut tried = Vec::new();
     for schedule in ["raster", "tiles"] {
         let of_schedule: Vec<_> = rows(&report, schedule).collect();

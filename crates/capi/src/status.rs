@@ -7,8 +7,8 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use ash::vk;
 use gpu_allocator::AllocationError;
 
-use crate::surface::SurfaceError;
-use crate::vulkan::VulkanError;
+use geosweep::surface::SurfaceError;
+use geosweep::vulkan::VulkanError;
 
 /// Result of a call. `geosweep_last_error` describes an error in words.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -175,13 +175,13 @@ pub(super) fn guard(call: impl FnOnce() -> Result<(), Failure>) -> GeosweepStatu
 }
 
 /// Defines functions of the header, which return a [`GeosweepStatus`]. In the bodies the caller's promises hold, which
-/// the documentation of [`crate::capi`] lists.
+/// the documentation of this crate lists.
 macro_rules! calls {
     ($($(#[$doc:meta])* fn $name:ident($($argument:ident: $kind:ty),* $(,)?) $body:block)*) => {$(
         $(#[$doc])*
         #[unsafe(no_mangle)]
-        pub unsafe extern "C" fn $name($($argument: $kind),*) -> $crate::capi::GeosweepStatus {
-            $crate::capi::status::guard(|| {
+        pub unsafe extern "C" fn $name($($argument: $kind),*) -> $crate::GeosweepStatus {
+            $crate::status::guard(|| {
                 // SAFETY: the caller's promise.
                 unsafe { $body }
                 Ok(())

@@ -16,7 +16,7 @@ use super::plan::{GeosweepPlan, plan};
 use super::shared::Shared;
 use super::status::{Failure, calls};
 use super::surface::{GeosweepImage, GeosweepOutcome, GeosweepSurface};
-use crate::vulkan::embed::{self, MOST_TOGETHER, Recording};
+use geosweep::vulkan::embed::{self, MOST_TOGETHER, Recording};
 
 /// Size in bytes of the record that `geosweep_record_outcome_to` copies.
 pub const GEOSWEEP_OUTCOME_BYTES: u32 = 72;

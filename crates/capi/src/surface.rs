@@ -13,8 +13,8 @@ use super::status::{Failure, calls};
 use super::surface_info::{
     GeosweepHostImage, GeosweepSourceBuffer, GeosweepSurfaceInfo, Wanted, name,
 };
-use crate::surface::EdgeRule;
-use crate::vulkan::embed;
+use geosweep::surface::EdgeRule;
+use geosweep::vulkan::embed;
 
 /// A grid on the device: edge lengths and fronts, which all recordings share, and an image of distances for
 /// each slot.

@@ -1,9 +1,9 @@
 //! Enumerations. C passes them as plain integers, so any value may arrive.
 
 use super::status::Failure;
-use crate::Wavefront;
-use crate::surface::EdgeRule;
-use crate::vulkan::Schedule;
+use geosweep::Wavefront;
+use geosweep::surface::EdgeRule;
+use geosweep::vulkan::Schedule;
 
 /// Shape of the wavefront that is assumed inside a triangle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -91,7 +91,7 @@ pub(super) trait Choice: Copy + PartialEq + 'static {
 /// Implements [`Choice`] for enumerations whose names in C are the same.
 macro_rules! choices {
     ($($choice:ident = $of:ident: $($name:ident),*;)*) => {$(
-        impl $crate::capi::choices::Choice for $choice {
+        impl $crate::choices::Choice for $choice {
             const NAME: &'static str = stringify!($of);
             const ALL: &'static [(i32, Self)] = &[$(($of::$name as i32, Self::$name)),*];
         }

@@ -12,7 +12,7 @@ use super::solver::GeosweepSolver;
 use super::status::calls;
 use super::surface::{GeosweepImage, GeosweepSurface};
 use super::surface_info::GeosweepHostImage;
-use crate::vulkan::embed;
+use geosweep::vulkan::embed;
 
 /// Image of the log map of point sources, and the passes that compute it. A texel of
 /// `VK_FORMAT_R32G32_SFLOAT` is (u, v): the direction in which the shortest path to the point leaves its

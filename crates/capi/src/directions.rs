@@ -12,7 +12,7 @@ use super::solver::GeosweepSolver;
 use super::status::calls;
 use super::surface::{GeosweepImage, GeosweepSurface};
 use super::surface_info::GeosweepHostImage;
-use crate::vulkan::embed;
+use geosweep::vulkan::embed;
 
 /// Image of the directions in which ways lead back to the sources, and the passes that find them. A texel of
 /// `VK_FORMAT_R16G16_SFLOAT` is a unit vector in columns and rows. It is 0, 0 at sources and at points that

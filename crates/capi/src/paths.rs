@@ -13,7 +13,7 @@ use super::shared::Made;
 use super::solver::GeosweepSolver;
 use super::status::{Failure, calls};
 use super::surface::GeosweepSurface;
-use crate::vulkan::embed::{self, PathsInfo, StartInput};
+use geosweep::vulkan::embed::{self, PathsInfo, StartInput};
 
 /// Largest number of starts in a recording from the program's memory.
 const MOST_STARTS: usize = 8192;

@@ -13,8 +13,8 @@ use super::solver::GeosweepSolver;
 use super::status::Failure;
 use super::surface::{GeosweepImage, GeosweepSurface};
 use super::surface_info::GeosweepHostImage;
-use crate::vulkan::VulkanError;
-use crate::vulkan::embed::{self, BufferKind, FrameSurface, HostImage, ImageKind, Solver};
+use geosweep::vulkan::VulkanError;
+use geosweep::vulkan::embed::{self, BufferKind, FrameSurface, HostImage, ImageKind, Solver};
 
 /// Object with an output of a frame.
 pub(super) trait OutputObject: Object<Held = Made<embed::Output<Self::Kind>>> {

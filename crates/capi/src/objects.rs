@@ -35,12 +35,12 @@ pub(super) trait Object {
 /// Defines a kind of object: its name in C, that of arguments, and the value that the program holds.
 macro_rules! kind_of_object {
     ($kind:ident, $name:ident: $held:ty) => {
-        impl $crate::capi::objects::Object for $kind {
+        impl $crate::objects::Object for $kind {
             type Held = $held;
             const NAME: &'static str = stringify!($kind);
             const ARGUMENT: &'static str = stringify!($name);
 
-            fn shared(held: &$held) -> &$crate::capi::shared::Shared {
+            fn shared(held: &$held) -> &$crate::shared::Shared {
                 held.as_ref()
             }
         }

@@ -1,7 +1,7 @@
 //! Checks pointers and numbers from C before they are used.
 
 use super::status::Failure;
-use crate::surface::Chart;
+use geosweep::surface::Chart;
 
 pub(super) fn usable<T>(pointer: *const T, name: &str) -> Result<(), Failure> {
     if pointer.is_null() {

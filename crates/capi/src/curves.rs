@@ -5,7 +5,7 @@ use ash::vk;
 use super::arguments::{reference, write};
 use super::shared::same_fields;
 use super::status::calls;
-use crate::vulkan::embed::{self, CurveStatus};
+use geosweep::vulkan::embed::{self, CurveStatus};
 
 /// Size in bytes of a curve's record in a `GeosweepCurves`. It is the stride of indirect draws, and the size
 /// that `geosweep_curve_record_from_bytes` reads.

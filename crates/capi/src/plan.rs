@@ -9,8 +9,8 @@ use super::shared::Made;
 use super::solver::GeosweepSolver;
 use super::status::{Failure, calls};
 use super::surface::GeosweepSurface;
-use crate::Stop;
-use crate::vulkan::{Method, Schedule, embed};
+use geosweep::Stop;
+use geosweep::vulkan::{Method, Schedule, embed};
 
 /// Largest number of iterations in a recording. A plan lists their passes one by one.
 const MOST_ITERATIONS: u32 = 256;

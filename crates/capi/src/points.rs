@@ -10,10 +10,10 @@ use super::arguments::list;
 use super::choices::{choices, choose};
 use super::shared::Shared;
 use super::status::Failure;
-use crate::surface::{
+use geosweep::surface::{
     Chart, EdgeRule, Geometry, LONGEST_EDGE, MetricTensor, Spacing, Surface, SurfaceError,
 };
-use crate::vulkan::embed::{self, Buffer, BufferInfo, DeviceMemory};
+use geosweep::vulkan::embed::{self, Buffer, BufferInfo, DeviceMemory};
 
 /// Meaning of the floats of a grid point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -8,7 +8,7 @@ use gpu_allocator::AllocationError;
 use gpu_allocator::vulkan::Allocator;
 
 use super::status::Failure;
-use crate::vulkan::embed::{DeviceMemory, MemoryBlock, MemoryRequest};
+use geosweep::vulkan::embed::{DeviceMemory, MemoryBlock, MemoryRequest};
 
 /// Requirements of an image or a buffer.
 #[derive(Clone, Copy, Debug)]

@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use ash::vk;
 
 use super::memory::Memory;
-use crate::vulkan::embed;
+use geosweep::vulkan::embed;
 
 /// Implements conversions between structs of the library and of the header that have the same fields.
 macro_rules! same_fields {

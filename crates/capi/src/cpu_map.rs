@@ -6,9 +6,9 @@ use super::choices::{EdgeRuleNumber, WavefrontNumber, choose};
 use super::frame::GeosweepSource;
 use super::points::{Form, GeosweepPoints};
 use super::status::{Failure, calls};
-use crate::geometry::{BackDirections, LogMap, Nearest, signed_distances_by_mask};
-use crate::surface::{Chart, EdgeLengths, Sources, Surface};
-use crate::{Engine, Options, Targets, Wavefront, distance_map};
+use geosweep::geometry::{BackDirections, LogMap, Nearest, signed_distances_by_mask};
+use geosweep::surface::{Chart, EdgeLengths, Sources, Surface};
+use geosweep::{Engine, Options, Targets, Wavefront, distance_map};
 
 /// Largest number of sources, and of targets, of a map on the CPU.
 const MOST_PLACES: usize = 1 << 24;

@@ -14,9 +14,9 @@ use super::plan::{GeosweepPlan, plan};
 use super::shared::Shared;
 use super::status::{Failure, calls};
 use super::surface::GeosweepSurface;
-use crate::vulkan::VulkanError;
-use crate::vulkan::embed::{self, Buffer, BufferInfo};
-use crate::vulkan::profile::{
+use geosweep::vulkan::VulkanError;
+use geosweep::vulkan::embed::{self, Buffer, BufferInfo};
+use geosweep::vulkan::profile::{
     Clock, Decided, Grain, PassRecord, Profile, QueryRange, Resolved, Slots,
 };
 

@@ -7,7 +7,7 @@ use super::arguments::list;
 use super::plan::GeosweepPlan;
 use super::profile::GeosweepProfile;
 use super::status::Failure;
-use crate::vulkan::embed::{
+use geosweep::vulkan::embed::{
     Access, MOST_TARGETS, MapLimit, PointSource, Reader, SourceInput, TargetPoint,
 };
 

@@ -7,8 +7,8 @@ use super::choices::{EdgeRuleNumber, GeosweepGluing, GluingNumber, choose};
 use super::points::{Form, GeosweepPoints};
 use super::shared::{Shared, same_fields};
 use super::status::Failure;
-use crate::surface::{Chart, Direction, EdgeRule, Gluing, Run};
-use crate::vulkan::embed;
+use geosweep::surface::{Chart, Direction, EdgeRule, Gluing, Run};
+use geosweep::vulkan::embed;
 
 /// Largest number of entries in an array that describes a surface.
 const MOST: usize = 1024;

@@ -13,7 +13,7 @@ use super::memory::{GeosweepAllocator, HostsMemory, Memory};
 use super::objects::{hand_out, kind_of_object, object, take};
 use super::shared::Shared;
 use super::status::{Failure, calls};
-use crate::vulkan::{Schedule, VulkanError, embed};
+use geosweep::vulkan::{Schedule, VulkanError, embed};
 
 /// Version of this header, which `geosweep_solver_create` compares with the library's. It grows with each
 /// change that makes programs compile or run differently.

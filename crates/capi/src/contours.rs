@@ -12,7 +12,7 @@ use super::shared::Made;
 use super::solver::GeosweepSolver;
 use super::status::{Failure, calls};
 use super::surface::GeosweepSurface;
-use crate::vulkan::embed::{self, LevelInput};
+use geosweep::vulkan::embed::{self, LevelInput};
 
 /// Largest number of levels in a recording.
 const MOST_LEVELS: usize = 1024;

@@ -12,11 +12,11 @@ use super::shared::{Made, same_fields};
 use super::solver::GeosweepSolver;
 use super::status::calls;
 use super::surface::GeosweepSurface;
-use crate::vulkan::embed;
+use geosweep::vulkan::embed;
 
 /// Label of a point without a nearest source: the point is a hole, or no front arrives there.
 pub const GEOSWEEP_NO_REGION: u32 = 0xFFFF_FFFF;
-const _: () = assert!(GEOSWEEP_NO_REGION == crate::geometry::NO_REGION);
+const _: () = assert!(GEOSWEEP_NO_REGION == geosweep::geometry::NO_REGION);
 
 /// Buffer for the regions of a surface's maps, and the passes that find them. Frames in flight on one queue
 /// share one such object. If regions are read on other queues, create one object for each of these queues.

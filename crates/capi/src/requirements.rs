@@ -8,7 +8,7 @@ use super::arguments::{Output, chart, write};
 use super::choices::{ScheduleNumber, number};
 use super::loader::{self, GetInstanceProcAddr};
 use super::status::{Failure, calls};
-use crate::vulkan::{Schedule, requirements};
+use geosweep::vulkan::{Schedule, requirements};
 
 /// Requirements for the instance and the device, to be merged with those of the program.
 #[derive(Clone, Copy, Debug)]

@@ -1,4 +1,4 @@
-//! Interface for C and C++ (feature `capi`): [`crate::vulkan::embed`] through `extern "C"` functions, which
+//! Interface for C and C++ (feature `capi`): [`geosweep::vulkan::embed`] through `extern "C"` functions, which
 //! `src/capi/geosweep.h` declares.
 //!
 //! This command builds the library:
@@ -8,7 +8,7 @@
 //! ```
 //!
 //! `docs/c.md` explains how to use the library. The items here are documented for C; from Rust, use
-//! [`crate::vulkan::embed`].
+//! [`geosweep::vulkan::embed`].
 //!
 //! # Errors
 //!
