@@ -67,7 +67,7 @@ impl Problem<'_> {
     /// Returns an estimate of the time at which fronts come to the targets.
     fn estimate(&self, targets: &Targets) -> Result<f64, VulkanError> {
         let edges = EdgeLengths::<f32>::new(self.grid.surface())?;
-        Ok(cpu::outlook(&edges, &self.seeds, targets).0)
+        Ok(cpu::estimate_targets(&edges, &self.seeds, targets).0)
     }
 
     /// Returns a map of a device, or an error if the computation was cancelled, since the map may then be

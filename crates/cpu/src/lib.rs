@@ -19,7 +19,6 @@ mod fronts;
 mod limit;
 #[doc(hidden)]
 pub mod lines;
-mod outlook;
 mod pairwise;
 mod points;
 mod progress;
@@ -28,6 +27,7 @@ mod scan;
 mod solution;
 mod sparse_rows;
 mod surroundings;
+mod target_estimate;
 #[cfg(any(test, feature = "twins"))]
 pub mod twins;
 
@@ -40,8 +40,6 @@ pub use geosweep_surface::Instructions;
 pub use limit::Limit;
 #[doc(hidden)]
 pub use lines::Visited;
-#[doc(hidden)]
-pub use outlook::outlook;
 pub use pairwise::PairwiseScan;
 pub use points::raster_scan;
 #[doc(hidden)]
@@ -50,3 +48,5 @@ pub use rotated::{Order, PatchCounts, RotatedScan, rotated_scan};
 pub use solution::Solution;
 pub use sparse_rows::SparseRows;
 pub use surroundings::seeds_for;
+#[doc(hidden)]
+pub use target_estimate::estimate_targets;

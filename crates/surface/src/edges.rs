@@ -8,7 +8,7 @@ use super::chart::{Block, Chart, Direction, EdgeSlot, STORED};
 use super::even_grid::EvenGrid;
 use super::gluing::Groups;
 use super::obtuse::lists::ObtuseTriangles;
-use super::obtuse::parts::Parts;
+use super::obtuse::parts::SplitParts;
 use super::real::Real;
 
 /// The lengths of the edges from every grid point to its east, north, north-east and north-west neighbours.
@@ -49,10 +49,10 @@ pub(super) struct SharedEdges<R> {
     /// See `obtuse/lists.rs`.
     pub(super) obtuse: ObtuseTriangles,
     /// See `obtuse/parts.rs`.
-    pub(super) parts: Parts<R>,
+    pub(super) parts: SplitParts<R>,
     /// See [`EdgeLengths::copies`].
     pub(super) copies: Option<Groups>,
-    /// Parts of the grid across its seams.
+    /// SplitParts of the grid across its seams.
     pub(super) strips: Vec<Strip<R>>,
     /// Whether these are the edges of a glued surface or of a strip of one.
     pub(super) of_glued: bool,
@@ -103,7 +103,7 @@ impl<R: Real> EdgeLengths<R> {
             floor: self.shared.floor,
             gaussian_curvature: OnceLock::new(),
             obtuse: Default::default(),
-            parts: Parts::default(),
+            parts: SplitParts::default(),
             copies: None,
             strips: Vec::new(),
             of_glued: false,

@@ -80,7 +80,7 @@ pub use map::{DistanceMap, Report, UsedEngine};
 pub use monitor::{Cancelled, Monitor};
 pub use name::UnknownName;
 #[doc(hidden)]
-pub use obtuse::{Part, is_obtuse};
+pub use obtuse::{SplitPart, is_obtuse};
 pub use real::{FAR, LONGEST_EDGE, Real, SHORTEST_EDGE};
 #[doc(hidden)]
 pub use real::{max, min, relative_change};

@@ -14,7 +14,7 @@ use super::gluing::strips;
 use super::measure::RowBends;
 use super::obtuse::cells::{MarkedCells, RowAbove};
 use super::obtuse::lists::ObtuseTriangles;
-use super::obtuse::parts::Parts;
+use super::obtuse::parts::SplitParts;
 use super::points::Row;
 use super::real::{LONGEST_EDGE, Real, SHORTEST_EDGE};
 use super::{Surface, SurfaceError};
@@ -114,7 +114,7 @@ impl<R: Real> EdgeLengths<R> {
             floor: surface.floor(),
             gaussian_curvature: OnceLock::new(),
             obtuse,
-            parts: Parts::default(),
+            parts: SplitParts::default(),
             copies: surface
                 .copies()
                 .map(|groups| groups.mapped(|index| chart.bordered_point(index))),

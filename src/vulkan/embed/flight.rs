@@ -16,11 +16,11 @@ use crate::vulkan::schedules::progress::Record;
 pub(super) struct Flight {
     /// Serial of the last recording.
     serial: AtomicU32,
-    kept: Mutex<Kept>,
+    kept: Mutex<InFlight>,
 }
 
 #[derive(Debug)]
-struct Kept {
+struct InFlight {
     recordings: [Recorded; MOST],
     records: Option<Records>,
 }
@@ -53,10 +53,10 @@ impl Flight {
     pub(super) fn new(records: &[Record]) -> Self {
         let records = Records { first: NonNull::from(records).cast(), count: records.len() };
         let recordings = [Recorded::default(); MOST];
-        Self { serial: 0.into(), kept: Mutex::new(Kept { recordings, records: Some(records) }) }
+        Self { serial: 0.into(), kept: Mutex::new(InFlight { recordings, records: Some(records) }) }
     }
 
-    fn kept(&self) -> MutexGuard<'_, Kept> {
+    fn kept(&self) -> MutexGuard<'_, InFlight> {
         self.kept.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -131,7 +131,7 @@ impl Flight {
     }
 }
 
-impl Kept {
+impl InFlight {
     /// Returns the serial of the last recording that has run; 0 if there is none.
     fn last_run(&self) -> u32 {
         let Some(Records { first, count }) = self.records else { return 0 };

@@ -23,7 +23,7 @@ pub(super) const WORD: u64 = size_of::<f32>() as u64;
 
 /// Part of a buffer: the range that its descriptor covers, and the position of its first word in that range.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Part {
+pub(super) struct BufferRange {
     buffer: vk::Buffer,
     start: u64,
     range: u64,
@@ -32,7 +32,7 @@ pub(super) struct Part {
     room: u64,
 }
 
-impl Part {
+impl BufferRange {
     pub(super) fn new(
         (device, limits): (&ash::Device, &Limits),
         what: &'static str,
@@ -137,8 +137,8 @@ impl HostSet {
 pub(super) struct Content {
     /// Binding, view and layout of the image.
     image: Option<(u32, vk::ImageView, vk::ImageLayout)>,
-    input: Option<Part>,
-    output: Option<Part>,
+    input: Option<BufferRange>,
+    output: Option<BufferRange>,
 }
 
 impl Content {
@@ -151,12 +151,12 @@ impl Content {
         Self { image: Some((set_1::IMAGE, view, layout)), ..Self::default() }
     }
 
-    pub(super) fn input(part: Part) -> Self {
+    pub(super) fn input(part: BufferRange) -> Self {
         Self { input: Some(part), ..Self::default() }
     }
 
     /// Returns the content with an output buffer added.
-    pub(super) fn and_output(self, output: Part) -> Self {
+    pub(super) fn and_output(self, output: BufferRange) -> Self {
         Self { output: Some(output), ..self }
     }
 
@@ -192,7 +192,7 @@ pub(super) fn inline_sources_content(
     grid: &GridImages,
 ) -> Result<Content, VulkanError> {
     let bytes = (INLINE_SOURCES * SOURCE_BYTES) as u64;
-    Ok(Content::input(Part::new(on, "the inline sources", grid.download.buffer, 0, bytes)?))
+    Ok(Content::input(BufferRange::new(on, "the inline sources", grid.download.buffer, 0, bytes)?))
 }
 
 /// Returns the contents for the inline sources and for each source buffer.
@@ -212,7 +212,7 @@ pub(super) fn sources_content(
     let SourceBuffer { buffer, offset, count } = *sources;
     check_count("sources", count)?;
     let bytes = u64::from(count) * SOURCE_BYTES as u64;
-    Ok(Content::input(Part::new(on, "sources", buffer, offset, bytes)?.with_rest(on)))
+    Ok(Content::input(BufferRange::new(on, "sources", buffer, offset, bytes)?.with_rest(on)))
 }
 
 pub(super) fn check_count(what: &'static str, count: u32) -> Result<(), VulkanError> {
@@ -244,7 +244,7 @@ pub(super) fn points_content(
                 return refuse(format!("a stride of {stride} bytes is no positive multiple of 4"));
             }
             let bytes = (chart.points() as u64 - 1).saturating_mul(stride).saturating_add(bytes);
-            Ok(Content::input(Part::new(on, "points", buffer, offset, bytes)?.with_rest(on)))
+            Ok(Content::input(BufferRange::new(on, "points", buffer, offset, bytes)?.with_rest(on)))
         }
     }
 }
@@ -259,7 +259,7 @@ pub(super) fn measured_content(
     let Some((buffer, at, bytes)) = grid.copies.as_ref().and_then(Copies::by_rows) else {
         return Ok(content);
     };
-    Ok(content.and_output(Part::new(on, "copies", buffer, at, bytes)?))
+    Ok(content.and_output(BufferRange::new(on, "copies", buffer, at, bytes)?))
 }
 
 /// Writes the content to a descriptor set that no submitted work uses.
@@ -273,7 +273,7 @@ pub(super) fn fill(device: &ash::Device, set: vk::DescriptorSet, content: Conten
             write_part(device, set, index, (part.buffer, part.start, part.range));
         }
     }
-    let first_word = |part: Option<Part>| part.map_or(0, |part| part.first_word);
+    let first_word = |part: Option<BufferRange>| part.map_or(0, |part| part.first_word);
     let room = input.map_or(0, |part| part.room);
     HostSet { set, first_word: first_word(input), first_output: first_word(output), room }
 }

@@ -6,7 +6,7 @@ use ash::vk;
 use super::access::Access;
 use super::bound_sets::BoundSets;
 use super::curves::{self, CurveLayout, Lift};
-use super::host_sets::{self, Content, HostSet, Part};
+use super::host_sets::{self, BufferRange, Content, HostSet};
 use super::inputs::SourceInput;
 use super::recording::Recording;
 use super::solver::Solver;
@@ -265,7 +265,8 @@ impl<K> Output<K> {
         surface: &FrameSurface,
         buffer: vk::Buffer,
     ) -> Result<Vec<Content>, VulkanError> {
-        let whole = |BufferInfo { name, size, .. }, buffer| Part::new(on, name, buffer, 0, size);
+        let whole =
+            |BufferInfo { name, size, .. }, buffer| BufferRange::new(on, name, buffer, 0, size);
         let output = whole(self.info.buffer, buffer)?;
         let mut contents = match self.info.counts {
             Some(counts) => vec![Content::input(whole(counts, self.counts())?)],

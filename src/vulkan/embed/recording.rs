@@ -7,7 +7,7 @@ use super::host_sets::HostSet;
 use super::inputs::{PointMemory, PointSource, SourceInput};
 use super::numbered::nth;
 use super::plan::Plan;
-use super::solver::{Solver, Sort};
+use super::solver::{PipelineSet, Solver};
 use super::state::number_of_preparation;
 use super::surface::FrameSurface;
 use crate::constants::{NEVER_MEASURED, SOURCES_TOGETHER, SURROUNDINGS_TEXELS, WORKGROUP};
@@ -306,7 +306,7 @@ impl<'a> Recording<'a> {
         let grid = &self.surface.grid;
         let small_tiles = self.solver.tuning().has_small_tiles(grid.texels);
         let glued = grid.copies.is_some();
-        Sort { slowed: grid.is_slowed(), small_tiles, glued }.variant(plan.wavefront.into())
+        PipelineSet { slowed: grid.is_slowed(), small_tiles, glued }.variant(plan.wavefront.into())
     }
 
     pub(super) fn check_sources(&self, sources: SourceInput) -> Result<(), VulkanError> {

@@ -31,13 +31,13 @@ pub struct Solver {
     pub(crate) limits: Limits,
     /// See [`Tools::checks`].
     pub(super) checks: bool,
-    /// Sorts of surfaces that were made, each as the bit with the number of the sort.
-    sorts: AtomicU8,
+    /// Sets that were made, each as the bit with its number.
+    pipeline_sets: AtomicU8,
 }
 
-/// Sort of a surface. Each sort has pipelines of its own.
+/// Properties of a surface on which its pipelines depend.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Sort {
+pub(super) struct PipelineSet {
     /// Whether the surface has a slowness.
     pub(super) slowed: bool,
     /// Whether its grid is small, and has smaller tiles than other grids.
@@ -46,8 +46,8 @@ pub(super) struct Sort {
     pub(super) glued: bool,
 }
 
-impl Sort {
-    /// Returns all sorts, in the order of their numbers.
+impl PipelineSet {
+    /// Returns all sets, in the order of their numbers.
     fn all() -> impl Iterator<Item = Self> {
         (0..8).map(|number| {
             let [slowed, small_tiles, glued] = [1, 2, 4].map(|bit| number & bit != 0);
@@ -60,7 +60,7 @@ impl Sort {
         1 << (u8::from(slowed) + 2 * u8::from(small_tiles) + 4 * u8::from(glued))
     }
 
-    /// Returns the passes of maps of surfaces of this sort.
+    /// Returns the passes of maps of surfaces with these properties.
     fn passes(
         self,
         schedule: Schedule,
@@ -71,7 +71,7 @@ impl Sort {
         all.map(move |(pass, variant)| (pass, self.variant(variant)))
     }
 
-    /// Returns the variant of pipelines for surfaces of this sort.
+    /// Returns the variant of pipelines for surfaces with these properties.
     pub(super) fn variant(self, of: Variant) -> Variant {
         Variant { slowed: self.slowed, small_tiles: self.small_tiles, ..of }
     }
@@ -172,8 +172,8 @@ impl Solver {
             Pipelines::new(device, (tuning, on_processor), labels, tools.executables)?;
         pipelines.separates_pairs = tools.checks;
         pipelines.set_cache(cache);
-        let sorts = AtomicU8::new(0);
-        let mut new = Self { pipelines, limits, checks: tools.checks, sorts };
+        let pipeline_sets = AtomicU8::new(0);
+        let mut new = Self { pipelines, limits, checks: tools.checks, pipeline_sets };
         match new.make_first(device, passes) {
             Ok(()) => Ok(new),
             Err(error) => {
@@ -235,7 +235,7 @@ impl Solver {
         let shuffles = tile_lanes::shuffles(instance, physical_device);
         tuning.check(&properties.limits, shuffles)?;
         self.pipelines.set_tuning(device, tuning);
-        self.sorts = AtomicU8::new(0);
+        self.pipeline_sets = AtomicU8::new(0);
         self.make_first(device, passes)
     }
 
@@ -264,9 +264,9 @@ impl Solver {
         wavefront: Wavefront,
     ) -> Result<(), VulkanError> {
         let mut wanted: Vec<_> = passes_of(schedule, over_any(wavefront)).collect();
-        let made = *self.sorts.get_mut();
-        for sort in Sort::all().filter(|sort| made & sort.bit() != 0) {
-            wanted.extend(sort.passes(schedule, over_any(wavefront)));
+        let made = *self.pipeline_sets.get_mut();
+        for set in PipelineSet::all().filter(|set| made & set.bit() != 0) {
+            wanted.extend(set.passes(schedule, over_any(wavefront)));
         }
         self.pipelines.make_each(device, &wanted)
     }
@@ -301,19 +301,19 @@ impl Solver {
         made.filter(|_| have_surroundings(schedule, variant.wavefront))
     }
 
-    /// Creates the pipelines that surfaces of a sort need, for all schedules and wavefronts that the solver has
+    /// Creates the pipelines that surfaces with some properties need, for all schedules and wavefronts that the solver has
     /// or will have.
     pub(super) fn make_passes_for(
         &self,
         device: &ash::Device,
-        sort: Sort,
+        set: PipelineSet,
     ) -> Result<(), VulkanError> {
-        self.sorts.fetch_or(sort.bit(), Ordering::Relaxed);
+        self.pipeline_sets.fetch_or(set.bit(), Ordering::Relaxed);
         let mut wanted: Vec<_> = self
             .all_passes()
-            .flat_map(|(schedule, wavefront)| sort.passes(schedule, wavefront))
+            .flat_map(|(schedule, wavefront)| set.passes(schedule, wavefront))
             .collect();
-        if sort.glued {
+        if set.glued {
             wanted.extend(OF_GLUED.map(|pass| (pass, Wavefront::Curved.into())));
         }
         self.pipelines.make_each(device, &wanted)

@@ -4,8 +4,8 @@
 use ash::vk;
 
 use super::host_sets::{
-    Content, HostSet, Part, WORD, check_count, describe, inline_sources_content, measured_content,
-    sources_content,
+    BufferRange, Content, HostSet, WORD, check_count, describe, inline_sources_content,
+    measured_content, sources_content,
 };
 use super::input_sets::{Versions, versions};
 use super::inputs::{Lookup, Points, SourceBuffer};
@@ -59,8 +59,9 @@ impl HostSets {
             check_count("places", lookup.count)?;
             let count = u64::from(lookup.count);
             let Lookup { places, places_offset, distances, distances_offset, .. } = *lookup;
-            let input = Part::new(on, "places", places, places_offset, 2 * WORD * count)?;
-            let output = Part::new(on, "distances", distances, distances_offset, WORD * count)?;
+            let input = BufferRange::new(on, "places", places, places_offset, 2 * WORD * count)?;
+            let output =
+                BufferRange::new(on, "distances", distances, distances_offset, WORD * count)?;
             contents.push(Content::input(input).and_output(output));
         }
         let (pool, sets) = describe(device, pipelines, &contents)?;

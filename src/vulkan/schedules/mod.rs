@@ -16,12 +16,12 @@ pub(in crate::vulkan) mod tuning;
 
 use super::{Schedule, TexelChart};
 use crate::constants::{SCANS_FOLLOW, TILES_FOLLOW};
-use order::Order;
+use order::ScheduleKind;
 use plan::{Portions, Reached, Step};
 pub(super) use raster::block_of;
 
 impl Schedule {
-    fn order(self) -> &'static dyn Order {
+    fn order(self) -> &'static dyn ScheduleKind {
         match self {
             Self::Raster => &raster::Raster,
             Self::Tiles => &tiles::Tiles,
@@ -72,19 +72,19 @@ impl Schedule {
         self.order().has_rounds()
     }
 
-    /// Returns [`Order::together`].
+    /// Returns [`ScheduleKind::together`].
     pub(crate) fn together(self, texels: TexelChart, portions: Portions) -> u32 {
         self.order().together(texels, portions)
     }
 
-    /// Returns [`Order::gains_by_surroundings`].
+    /// Returns [`ScheduleKind::gains_by_surroundings`].
     pub(crate) fn gains_by_surroundings(self) -> bool {
         self.order().gains_by_surroundings()
     }
 }
 
 /// Returns the schedule to which a step belongs; `None` for a step that several schedules use.
-fn order_of(step: &Step) -> Option<&'static dyn Order> {
+fn order_of(step: &Step) -> Option<&'static dyn ScheduleKind> {
     match step {
         Step::Scan(_) => Some(&raster::Raster),
         Step::Tiles { .. } | Step::Settle { .. } => Some(&tiles::Tiles),

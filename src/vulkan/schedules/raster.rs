@@ -1,7 +1,7 @@
 //! Plans and records the raster schedule: four rotated scans over the whole grid, in blocks of lines.
 
 use super::iteration::{Iteration, along, block_number, lines_of, middle_block};
-use super::order::{Order, Steps};
+use super::order::{ScheduleKind, Steps};
 use super::plan::{Portions, Reached, Scan, ScanPass, Step};
 use crate::vulkan::device::passes::SCANS;
 use crate::vulkan::device::shaders::progress::Push as Halves;
@@ -14,7 +14,7 @@ pub(super) struct Raster;
 /// Number of blocks of lines that one update of a buffer starts: 3 KiB.
 const BLOCKS_TOGETHER: usize = 256;
 
-impl Order for Raster {
+impl ScheduleKind for Raster {
     fn passes(&self) -> &'static [usize] {
         const PASSES: [usize; 4] =
             [SCANS[0].number(), SCANS[1].number(), SCANS[2].number(), SCANS[3].number()];

@@ -1,7 +1,7 @@
 //! Plans and records the schedule of tiles: rounds of scans inside the tiles beside which something has
 //! changed.
 
-use super::order::{Order, Steps};
+use super::order::{ScheduleKind, Steps};
 use super::plan::{Portions, Reached, Step};
 use super::progress;
 use super::progress::offset;
@@ -27,7 +27,7 @@ fn tiles_in_a_round(tile: u32) -> u32 {
     if tile > 16 { 2 } else { 4 }
 }
 
-impl Order for Tiles {
+impl ScheduleKind for Tiles {
     fn passes(&self) -> &'static [usize] {
         const PASSES: [usize; 1] = [TILES.number()];
         &PASSES

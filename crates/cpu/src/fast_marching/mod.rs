@@ -12,7 +12,7 @@ use super::fronts::{Anchored, FrontOver, Fronts, PointKind, TriangleFronts, Tria
 use super::limit::Limit;
 use super::points::PointFronts;
 use super::solution::Solution;
-use geosweep_surface::update::{Kept, Triangle, Wavefront};
+use geosweep_surface::update::{StoredFront, Triangle, Wavefront};
 use geosweep_surface::{Chart, Direction, EdgeLengths, EdgeSlot, Offset, Real, Seed};
 
 /// Solves by fast marching (Algorithm 1). Points are fixed in the order in which the front reaches them. A
@@ -185,9 +185,9 @@ impl<R: Real, K: PointKind<R>> March<R, K> {
     }
 
     /// Returns the front at a point. A point that is not fixed counts as not reached.
-    fn known(&self, point: usize) -> Kept<R, K::Carried> {
+    fn known(&self, point: usize) -> StoredFront<R, K::Carried> {
         let front = self.fronts.at(point);
-        Kept { time: if self.fixed[point] { front.time } else { R::FAR }, ..front }
+        StoredFront { time: if self.fixed[point] { front.time } else { R::FAR }, ..front }
     }
 
     /// Offers a front that arrives at `time` to a point.

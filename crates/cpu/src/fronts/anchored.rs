@@ -18,7 +18,7 @@ use crate::lines::line::ScanLine;
 use crate::lines::span::{Before, LargestChanges, Span, TILE};
 use crate::scan::{Scan, UpdateOptions};
 use geosweep_surface::constants::ANCHOR_COUNTS;
-use geosweep_surface::update::{Anchor, Carried, Floor, Kept, is_shorter};
+use geosweep_surface::update::{Anchor, Carried, Floor, StoredFront, is_shorter};
 use geosweep_surface::{Chart, EdgeLengths, EvenGrid, Real, Seed, TAG, Tagged, min};
 
 /// The front of [`geosweep_surface::Wavefront::Anchored`].
@@ -28,7 +28,7 @@ pub(crate) struct Anchored<R> {
 }
 
 /// The front that a point keeps or that reaches it: its arrival time and its anchor.
-type KeptAnchored<R> = Kept<R, Anchor<R>>;
+type KeptAnchored<R> = StoredFront<R, Anchor<R>>;
 
 /// Flags of the scans that have a hole behind a point: one of the three neighbours behind is missing, or one of them is
 /// a corner. For all other scans the update depends only on the anchors of these neighbours.
@@ -64,7 +64,7 @@ impl<R: Real> FrontKind<R> for Anchored<R> {
     type Arrival = KeptAnchored<R>;
 
     fn arrival_of_seed(&mut self, seed: &Seed) -> KeptAnchored<R> {
-        Kept { time: R::of(seed.time), carried: self.floor.anchor_of(seed) }
+        StoredFront { time: R::of(seed.time), carried: self.floor.anchor_of(seed) }
     }
 
     fn forget(&mut self) {
@@ -91,7 +91,7 @@ impl<R: Real> Fronts<R> for Anchor<R> {
         let accepted = is_shorter(arrival.time, kept.time) | again;
         let brought = arrival.carried.brought_by(scan);
         let brought = if arrival.time < R::FAR { brought } else { Anchor::default() };
-        Kept {
+        StoredFront {
             time: if accepted { arrival.time } else { kept.time },
             carried: if accepted { brought } else { kept.carried },
         }
@@ -106,7 +106,7 @@ impl<R: Real> Fronts<R> for Anchor<R> {
     #[inline(always)]
     fn first(a: KeptAnchored<R>, b: KeptAnchored<R>) -> KeptAnchored<R> {
         let second = is_shorter(b.time, a.time);
-        Kept {
+        StoredFront {
             time: if second { b.time } else { a.time },
             carried: if second { b.carried } else { a.carried },
         }
@@ -132,7 +132,7 @@ impl<R: Real> PointKind<R> for Anchored<R> {
         seen: impl Fn(usize) -> KeptAnchored<R>,
     ) -> KeptAnchored<R> {
         let way = self.floor.reach(point, behind.middle() as usize, seen);
-        Kept { time: way.time, carried: Anchor::new(way.anchor) }
+        StoredFront { time: way.time, carried: Anchor::new(way.anchor) }
     }
 }
 
@@ -180,8 +180,8 @@ impl<R: Real> LaneKind<R> for Anchored<R> {
         let (mut times, mut anchors) = ([R::zero(); TILE], [Anchor::default(); TILE]);
         let mut any = false;
         for i in 0..points {
-            let before = Kept { time: span.times[i], carried: span.carried[i] };
-            let arrival = Kept { time: brought.times[i], carried: brought.anchors[i] };
+            let before = StoredFront { time: span.times[i], carried: span.carried[i] };
+            let arrival = StoredFront { time: brought.times[i], carried: brought.anchors[i] };
             let after = Anchor::accept(before, arrival, options.scan.0, options.renews);
             changes.note(i, Anchor::change(before, after));
             any |= (before.time.units_between(after.time) > R::Bits::default())
@@ -353,5 +353,5 @@ fn reach<R: Real>(
     scan: Scan,
 ) -> KeptAnchored<R> {
     let way = floor.reach(point, scan.back() as usize, |x| line.front(x));
-    Kept { time: way.time, carried: Anchor::new(way.anchor) }
+    StoredFront { time: way.time, carried: Anchor::new(way.anchor) }
 }

@@ -14,8 +14,8 @@ use crate::lines::span::{Before, LargestChanges, Span, TILE};
 use crate::scan::{Scan, UpdateOptions};
 use geosweep_surface::constants::IN_SIGHT;
 use geosweep_surface::update::{
-    Carried, Curvature, Curvatures, EXACT, Front, Kept, SEED, Sighted, Steps, Triangle, curved,
-    curved_at, curved_from_origins, line_to,
+    Carried, Curvature, Curvatures, EXACT, Front, SEED, Sighted, Steps, StoredFront, Triangle,
+    curved, curved_at, curved_from_origins, line_to,
 };
 use geosweep_surface::{
     Chart, Direction, EdgeLengths, LACKING, Origins, Real, Seed, Tagged, max, min,
@@ -35,7 +35,7 @@ pub(crate) struct Curved<R> {
 }
 
 /// The front that a point keeps.
-type KeptCurved<R> = Kept<R, Curvature<R>>;
+type KeptCurved<R> = StoredFront<R, Curvature<R>>;
 
 impl<R: Real> Curved<R> {
     pub(crate) fn new(edges: &EdgeLengths<R>) -> Self {
@@ -222,7 +222,7 @@ impl<R: Real> Fronts<R> for Curvature<R> {
     /// other's fronts forever.
     #[inline(always)]
     fn accept(kept: KeptCurved<R>, front: Front<R>, scan: u8, renews: bool) -> KeptCurved<R> {
-        let Kept { time, carried: curvature } = kept;
+        let StoredFront { time, carried: curvature } = kept;
         let before = curvature.front(time);
         let brought = Curvature::of(front, scan);
         let front = Front { curvature: brought.value(), ..front };
@@ -237,7 +237,7 @@ impl<R: Real> Fronts<R> for Curvature<R> {
         let accepted =
             (first & !own & !held) | (was_reached & renews & curvature.is_from(scan) & is_new);
         let arrival = if together { min(time, front.time) } else { front.time };
-        Kept {
+        StoredFront {
             time: if accepted { arrival } else { time },
             carried: if accepted { brought } else { curvature },
         }
@@ -254,7 +254,7 @@ impl<R: Real> Fronts<R> for Curvature<R> {
         let time = min(a.time, b.time);
         let second =
             if of_a.arrives_with(of_b) { of_b.knows_better(of_a) } else { of_b.time < of_a.time };
-        Kept { time, carried: if second { b.carried } else { a.carried } }
+        StoredFront { time, carried: if second { b.carried } else { a.carried } }
     }
 
     /// Returns the larger of the changes of arrival time and curvature.
@@ -380,7 +380,7 @@ pub(super) fn accept_all<R: Real, G>(
     let (mut times, mut curvatures) = ([R::zero(); TILE], [Curvature::default(); TILE]);
     let mut any = false;
     for i in 0..points {
-        let before = Kept { time: span.times[i], carried: span.carried[i] };
+        let before = StoredFront { time: span.times[i], carried: span.carried[i] };
         let after = Curvature::accept(before, first.get(i), options.scan.0, options.renews);
         (times[i], curvatures[i]) = (after.time, after.carried);
         let [bent_before, bent] = [before.carried.value(), after.carried.value()];
@@ -548,7 +548,7 @@ mod tests {
         let whole = true;
         let old = Curvature::of(Front { time: R::of(1.5), curvature: R::of(0.3), whole }, 2);
         let front = Front { time: R::of(time), curvature: R::of(curvature), whole };
-        Curvature::accept(Kept { time: R::of(1.5), carried: old }, front, scan, renews)
+        Curvature::accept(StoredFront { time: R::of(1.5), carried: old }, front, scan, renews)
     }
 
     fn assert_renews_but_for_rounding<R: Real>() {

@@ -3,17 +3,18 @@
 
 use super::{FrontKind, Fronts};
 use geosweep_surface::constants::COPIES_TOGETHER;
-use geosweep_surface::update::{Carried, EXACT, EXCHANGED, Kept};
+use geosweep_surface::update::{Carried, EXACT, EXCHANGED, StoredFront};
 use geosweep_surface::{EdgeLengths, Groups, Real};
 
 /// Returns the earliest front that a scan has brought to any point of a group of copies. Fronts from an earlier
 /// exchange do not count, since the fronts from which they were copied may have been renewed.
 fn earliest<R: Real, K: FrontKind<R>>(
     group: &[u32],
-    front: impl Fn(usize) -> Kept<R, K::Carried>,
-) -> Option<Kept<R, K::Carried>> {
-    let counts =
-        |front: &Kept<R, K::Carried>| front.time < R::FAR && !front.carried.is_from(EXCHANGED);
+    front: impl Fn(usize) -> StoredFront<R, K::Carried>,
+) -> Option<StoredFront<R, K::Carried>> {
+    let counts = |front: &StoredFront<R, K::Carried>| {
+        front.time < R::FAR && !front.carried.is_from(EXCHANGED)
+    };
     // The shader has an invocation for each part of a group.
     let of_part = |part: &[u32]| {
         part.iter().map(|&point| front(point as usize)).filter(counts).reduce(K::Carried::first)
@@ -24,10 +25,10 @@ fn earliest<R: Real, K: FrontKind<R>>(
 /// Returns the front at a copy after the earliest front of all copies has reached it, or `None` if the present one
 /// stays.
 fn after_arrival<R: Real, K: FrontKind<R>>(
-    first: Kept<R, K::Carried>,
-    before: Kept<R, K::Carried>,
+    first: StoredFront<R, K::Carried>,
+    before: StoredFront<R, K::Carried>,
     renews: bool,
-) -> Option<Kept<R, K::Carried>> {
+) -> Option<StoredFront<R, K::Carried>> {
     if before == first {
         return None;
     }
@@ -42,8 +43,8 @@ fn after_arrival<R: Real, K: FrontKind<R>>(
 pub(crate) fn exchange<R: Real, K: FrontKind<R>, T>(
     edges: &EdgeLengths<R>,
     map: &mut T,
-    at: impl Fn(&T, usize) -> (Kept<R, K::Carried>, bool),
-    mut set: impl FnMut(&mut T, usize, [Kept<R, K::Carried>; 2]),
+    at: impl Fn(&T, usize) -> (StoredFront<R, K::Carried>, bool),
+    mut set: impl FnMut(&mut T, usize, [StoredFront<R, K::Carried>; 2]),
 ) {
     for group in edges.copies().into_iter().flat_map(Groups::iter) {
         let first = earliest::<R, K>(group, |point| at(map, point).0);

@@ -6,7 +6,7 @@ use std::ops::Range;
 use super::lanes::{Splits, splits_of_line};
 use crate::behind::{Behind, TriangleSlots};
 use crate::lines::line::GridLines;
-use geosweep_surface::update::{Carried, Kept, Triangle, tag_of};
+use geosweep_surface::update::{Carried, StoredFront, Triangle, tag_of};
 use geosweep_surface::{Chart, Direction, EdgeLengths, Real, Seed};
 
 /// A kind of front over a surface. It defines the data that fronts carry, and how fronts start. Updates are defined by
@@ -37,13 +37,13 @@ pub(crate) trait FrontKind<R: Real>:
         chart: Chart,
         seeds: &[Seed],
         (times, carried): (&mut [R], &mut [Self::Carried]),
-        mut started: impl FnMut(&Seed, usize, [Kept<R, Self::Carried>; 2]),
+        mut started: impl FnMut(&Seed, usize, [StoredFront<R, Self::Carried>; 2]),
     ) {
         self.expect(seeds);
         for seed in seeds {
             let point = chart.bordered(seed.row, seed.col);
             let arrival = self.arrival_of_seed(seed);
-            let before = Kept { time: times[point], carried: carried[point] };
+            let before = StoredFront { time: times[point], carried: carried[point] };
             let after = Self::Carried::accept(before, arrival, tag_of(seed), false);
             (times[point], carried[point]) = (after.time, after.carried);
             started(seed, point, [before, after]);
@@ -75,17 +75,21 @@ pub(crate) trait Fronts<R: Real>: Carried {
     /// Returns the front at a point after `arrival` has reached it, brought by `scan` (numbered from one).
     /// The arrival is accepted if it is earlier than the present front, or if the scan `renews` a front that the same
     /// scan brought before.
-    fn accept(kept: Kept<R, Self>, arrival: Self::Arrival, scan: u8, renews: bool)
-    -> Kept<R, Self>;
+    fn accept(
+        kept: StoredFront<R, Self>,
+        arrival: Self::Arrival,
+        scan: u8,
+        renews: bool,
+    ) -> StoredFront<R, Self>;
 
     /// Converts the front at a point to an arrival at another copy of the point, on a glued surface.
-    fn arrival_of_front(kept: Kept<R, Self>) -> Self::Arrival;
+    fn arrival_of_front(kept: StoredFront<R, Self>) -> Self::Arrival;
 
     /// Returns the first of two fronts at a point.
-    fn first(a: Kept<R, Self>, b: Kept<R, Self>) -> Kept<R, Self>;
+    fn first(a: StoredFront<R, Self>, b: StoredFront<R, Self>) -> StoredFront<R, Self>;
 
     /// Returns the change of a front, in units of the last place of its arrival time ([`Real::units_between`]).
-    fn change(before: Kept<R, Self>, after: Kept<R, Self>) -> R::Bits;
+    fn change(before: StoredFront<R, Self>, after: StoredFront<R, Self>) -> R::Bits;
 }
 
 /// What fronts carry that can be updated from a single triangle.
@@ -98,7 +102,7 @@ pub(crate) trait TriangleFronts<R: Real>: Fronts<R> {
 
     /// Returns the curvature of a front. If the front carries none, this is the curvature of a circle around
     /// its source.
-    fn curvature(kept: Kept<R, Self>) -> R;
+    fn curvature(kept: StoredFront<R, Self>) -> R;
 
     /// Returns the data that a circular front of the given radius carries over a plane.
     fn circle(radius: R) -> Self;
@@ -113,7 +117,7 @@ pub(crate) trait PointKind<R: Real>: FrontKind<R> {
         edges: &EdgeLengths<R>,
         point: usize,
         behind: &Behind,
-        seen: impl Fn(usize) -> Kept<R, Self::Carried>,
+        seen: impl Fn(usize) -> StoredFront<R, Self::Carried>,
     ) -> Self::Arrival;
 
     /// Finds the fronts that reach the points of a line through parts of obtuse triangles behind them.
@@ -180,7 +184,7 @@ pub(crate) trait TriangleKind<R: Real>:
         edges: &EdgeLengths<R>,
         point: usize,
         directions: [Direction; 2],
-        seen: impl Fn(usize) -> Kept<R, Self::Carried>,
+        seen: impl Fn(usize) -> StoredFront<R, Self::Carried>,
     ) -> Option<Self::Arrival> {
         let mut first: Option<Self::Arrival> = None;
         edges.split(point, directions, |[x1, x2], [l1, l2, c], slowness| {
@@ -200,7 +204,7 @@ pub(crate) trait TriangleKind<R: Real>:
         edges: &EdgeLengths<R>,
         point: usize,
         slots: &TriangleSlots,
-        seen: impl Fn(usize) -> Kept<R, Self::Carried>,
+        seen: impl Fn(usize) -> StoredFront<R, Self::Carried>,
     ) -> Self::Arrival {
         let [x1, x2] = slots.corners(point);
         let kept = [x1, x2].map(&seen);
@@ -227,7 +231,7 @@ impl<R: Real, K: TriangleKind<R> + Triangular> PointKind<R> for K {
         edges: &EdgeLengths<R>,
         point: usize,
         behind: &Behind,
-        seen: impl Fn(usize) -> Kept<R, K::Carried>,
+        seen: impl Fn(usize) -> StoredFront<R, K::Carried>,
     ) -> K::Arrival {
         let [a, b] =
             behind.triangles().each_ref().map(|slots| self.through(edges, point, slots, &seen));

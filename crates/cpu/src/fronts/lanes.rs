@@ -11,7 +11,7 @@ use crate::lines::line::{GridLines, ScanLine};
 use crate::lines::span::{Before, LargestChanges, Span};
 use crate::scan::{Scan, UpdateOptions};
 use geosweep_surface::update::Triangle;
-use geosweep_surface::{Chart, Part, Real};
+use geosweep_surface::{Chart, Real, SplitPart};
 
 /// A kind of front whose points can be updated line by line, in SIMD lanes.
 pub(crate) trait LaneKind<R: Real>: PointKind<R> {
@@ -86,7 +86,7 @@ pub(super) fn splits_of_line<R: Real, K: TriangleKind<R>, G>(
     for (place, parts) in triangles.parts() {
         let (row, col) = scan.lines().place(of_line, place);
         let point = chart.entry_index(row, col);
-        let arrivals = parts.map(|Part { corners: [x1, x2], lengths, slowness }| {
+        let arrivals = parts.map(|SplitPart { corners: [x1, x2], lengths, slowness }| {
             let [a, b] = [x1, x2].map(|x| lines.front(x));
             let [l1, l2, c] = lengths;
             let triangle = Triangle { t1: a.time, t2: b.time, l1, l2, c };

@@ -7,7 +7,7 @@ use crate::lines::line::ScanLine;
 use crate::lines::settled::Visited;
 use crate::lines::span::{Before, LargestChanges, Span, TILE};
 use crate::scan::{Scan, UpdateOptions};
-use geosweep_surface::update::{Kept, Triangle};
+use geosweep_surface::update::{StoredFront, Triangle};
 use geosweep_surface::{Chart, Origins, Real, Seed, min};
 
 /// The operations in which planar and circular fronts differ.
@@ -33,29 +33,29 @@ pub(crate) trait Straight: Copy + std::fmt::Debug + Send + Sync + 'static {
 }
 
 #[inline(always)]
-fn at<R>(time: R) -> Kept<R, ()> {
-    Kept { time, carried: () }
+fn at<R>(time: R) -> StoredFront<R, ()> {
+    StoredFront { time, carried: () }
 }
 
 impl<R: Real> Fronts<R> for () {
     type Arrival = R;
 
     #[inline(always)]
-    fn accept(kept: Kept<R, ()>, time: R, _: u8, _: bool) -> Kept<R, ()> {
+    fn accept(kept: StoredFront<R, ()>, time: R, _: u8, _: bool) -> StoredFront<R, ()> {
         at(min(kept.time, time))
     }
 
-    fn arrival_of_front(kept: Kept<R, ()>) -> R {
+    fn arrival_of_front(kept: StoredFront<R, ()>) -> R {
         kept.time
     }
 
     #[inline(always)]
-    fn first(a: Kept<R, ()>, b: Kept<R, ()>) -> Kept<R, ()> {
+    fn first(a: StoredFront<R, ()>, b: StoredFront<R, ()>) -> StoredFront<R, ()> {
         at(min(a.time, b.time))
     }
 
     #[inline(always)]
-    fn change(before: Kept<R, ()>, after: Kept<R, ()>) -> R::Bits {
+    fn change(before: StoredFront<R, ()>, after: StoredFront<R, ()>) -> R::Bits {
         before.time.units_between(after.time)
     }
 }
@@ -69,7 +69,7 @@ impl<R: Real> TriangleFronts<R> for () {
         min(a, b)
     }
 
-    fn curvature(kept: Kept<R, ()>) -> R {
+    fn curvature(kept: StoredFront<R, ()>) -> R {
         kept.time.recip()
     }
 

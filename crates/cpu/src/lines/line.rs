@@ -8,7 +8,7 @@ use super::window::Fronts;
 use crate::behind::Behind;
 use crate::scan::Scan;
 use geosweep_surface::lanes::prefetch;
-use geosweep_surface::update::{Carried, Kept};
+use geosweep_surface::update::{Carried, StoredFront};
 use geosweep_surface::{EdgeLengths, Real};
 
 /// Bordered arrays of lines while a scan updates them. [`Self::place`] converts positions in the grid to positions in
@@ -99,7 +99,7 @@ impl<'a, R: Real, C: Carried, G> GridLines<'a, R, C, G> {
     }
 
     /// Returns the front at a point of the grid.
-    pub(crate) fn front(&self, point: usize) -> Kept<R, C> {
+    pub(crate) fn front(&self, point: usize) -> StoredFront<R, C> {
         self.place.front((self.times, self.carried), point)
     }
 }
@@ -112,10 +112,10 @@ impl<R: Real, C: Carried> LinesInGrid<'_, R, C> {
 
     /// Returns the front at a point of the grid, given the lines' arrays.
     #[inline(always)]
-    fn front(&self, (times, carried): (&[R], &[C]), point: usize) -> Kept<R, C> {
+    fn front(&self, (times, carried): (&[R], &[C]), point: usize) -> StoredFront<R, C> {
         let Self { edges, scan, stride, first, before, beyond } = self;
         let Some(Beyond { points, lines, near, far }) = beyond else {
-            return Kept { time: times[point], carried: carried[point] };
+            return StoredFront { time: times[point], carried: carried[point] };
         };
         let chart = edges.chart();
         let entry = match u32::try_from(point).map(|point| chart.short_entry(point)) {
@@ -125,7 +125,7 @@ impl<R: Real, C: Carried> LinesInGrid<'_, R, C> {
         let (line, at) = scan.lines().place(entry.0, entry.1);
         if lines.contains(&line) && points.contains(&at) {
             let place = (line - first) * stride + at - before;
-            return Kept { time: times[place], carried: carried[place] };
+            return StoredFront { time: times[place], carried: carried[place] };
         }
         let found = [near, far].into_iter().flatten().find_map(|fronts| fronts.at(entry));
         found.expect("a window has the fronts around it, and the grid has all")
@@ -212,7 +212,7 @@ impl<R: Real, C: Carried, G> ScanLine<'_, '_, R, C, G> {
     /// Returns the front at a point of the grid. Callers ask for many points one after another. If this function were
     /// inlined, each call would load all fields that the function reads.
     #[inline(never)]
-    pub(crate) fn front(&self, point: usize) -> Kept<R, C> {
+    pub(crate) fn front(&self, point: usize) -> StoredFront<R, C> {
         self.place.front((self.times, self.carried), point)
     }
 

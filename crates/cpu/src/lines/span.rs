@@ -7,7 +7,7 @@ use crate::behind::Behind;
 use crate::bend_units;
 use crate::scan::UpdateOptions;
 use geosweep_surface::lanes::prefetch;
-use geosweep_surface::update::{Carried, Kept, Triangle};
+use geosweep_surface::update::{Carried, StoredFront, Triangle};
 use geosweep_surface::{EdgeLengths, Offset, Real, min};
 
 /// Number of points on a side of a tile. A front moves by at most one point along a line for each line that the scan
@@ -245,10 +245,10 @@ impl<'a, R: Real, C: Carried, G> Before<'a, R, C, G> {
     }
 
     /// Returns the front at a point of the grid's bordered array.
-    pub(crate) fn front(&self, point: usize) -> Kept<R, C> {
+    pub(crate) fn front(&self, point: usize) -> StoredFront<R, C> {
         let Fronts { times, carried, .. } = self.fronts;
         let Some(far) = &self.far else {
-            return Kept { time: times[point], carried: carried[point] };
+            return StoredFront { time: times[point], carried: carried[point] };
         };
         let entry = self.edges.chart().entry(point);
         self.fronts.at(entry).or_else(|| far.at(entry)).expect("the grid has all fronts")

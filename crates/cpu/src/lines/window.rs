@@ -6,7 +6,7 @@
 
 use crate::behind::Behind;
 use crate::scan::Scan;
-use geosweep_surface::update::{Carried, Kept};
+use geosweep_surface::update::{Carried, StoredFront};
 use geosweep_surface::{Block, Chart, Offset, Real};
 
 /// A block of the grid, whose fronts a bordered array holds.
@@ -73,14 +73,14 @@ pub(crate) struct Fronts<'a, R, C> {
 impl<R: Real, C: Carried> Fronts<'_, R, C> {
     /// Returns the front at a point of the window.
     #[inline(always)]
-    pub(crate) fn of(&self, row: usize, col: usize) -> Kept<R, C> {
+    pub(crate) fn of(&self, row: usize, col: usize) -> StoredFront<R, C> {
         let place = self.window.index(row, col);
-        Kept { time: self.times[place], carried: self.carried[place] }
+        StoredFront { time: self.times[place], carried: self.carried[place] }
     }
 
     /// Returns the front at an entry of the grid's bordered array, given by row and column counted from the
     /// border. Returns `None` if the window does not hold it.
-    pub(crate) fn at(&self, (row, col): (usize, usize)) -> Option<Kept<R, C>> {
+    pub(crate) fn at(&self, (row, col): (usize, usize)) -> Option<StoredFront<R, C>> {
         let Window { grid, own, first } = self.window;
         let (row, col) = (row.checked_sub(first.0)?, col.checked_sub(first.1)?);
         // The border around a window inside the grid holds no fronts of the grid's points.
@@ -88,7 +88,7 @@ impl<R: Real, C: Carried> Fronts<'_, R, C> {
         let holds = |at: usize, points: usize| is_whole || (1..=points).contains(&at);
         (holds(row, own.rows) && holds(col, own.cols)).then(|| {
             let place = own.entry_index(row, col);
-            Kept { time: self.times[place], carried: self.carried[place] }
+            StoredFront { time: self.times[place], carried: self.carried[place] }
         })
     }
 }

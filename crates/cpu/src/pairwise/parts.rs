@@ -7,14 +7,14 @@ use geosweep_surface::lanes::Loop;
 use geosweep_surface::{EdgeLengths, min};
 
 /// The parts of the obtuse triangles of a scan, in the scan's order of points along a line.
-pub(super) struct Parts<K: Kernel> {
+pub(super) struct LaneParts<K: Kernel> {
     /// Start of each line's parts; empty if there are no parts.
     starts: Vec<u32>,
-    parts: Vec<Part<K::Part>>,
+    parts: Vec<LanePart<K::Part>>,
 }
 
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Part<P> {
+pub(super) struct LanePart<P> {
     /// Place of the point in the line.
     point: u32,
     /// The two other corners, as indices into the bordered array.
@@ -22,7 +22,7 @@ pub(super) struct Part<P> {
     coefficients: P,
 }
 
-impl<K: Kernel> Parts<K> {
+impl<K: Kernel> LaneParts<K> {
     pub(super) fn new(edges: &EdgeLengths<f32>, scan: Scan) -> Self {
         let (mut starts, mut all) = (Vec::new(), Vec::new());
         if let Some(parts) = edges.parts_on_side(scan.back()) {
@@ -31,7 +31,7 @@ impl<K: Kernel> Parts<K> {
             for line in 0..lines.rows {
                 let of_line = parts.within(line + 1, 1..lines.cols + 1);
                 for (place, parts) in of_line.parts() {
-                    all.extend(parts.map(|part| Part {
+                    all.extend(parts.map(|part| LanePart {
                         point: place as u32 - 1,
                         corners: part.corners.map(|corner| corner as u32),
                         coefficients: K::part(part.lengths),
@@ -44,11 +44,11 @@ impl<K: Kernel> Parts<K> {
     }
 
     pub(super) fn bytes(&self) -> usize {
-        self.starts.len() * size_of::<u32>() + self.parts.len() * size_of::<Part<K::Part>>()
+        self.starts.len() * size_of::<u32>() + self.parts.len() * size_of::<LanePart<K::Part>>()
     }
 
     /// Returns the parts of a line.
-    pub(super) fn of_line(&self, line: usize) -> &[Part<K::Part>] {
+    pub(super) fn of_line(&self, line: usize) -> &[LanePart<K::Part>] {
         match self.starts.get(line..line + 2) {
             Some(&[start, end]) => &self.parts[start as usize..end as usize],
             _ => &[],
@@ -62,7 +62,7 @@ pub(super) struct VisitParts<'a, K: Kernel, const TRACKS: bool> {
     /// The first point of the line, and the offset from a point to the next.
     pub first: usize,
     pub step: usize,
-    pub parts: &'a [Part<K::Part>],
+    pub parts: &'a [LanePart<K::Part>],
     pub marks: &'a [u64],
     /// Marks of the points that have changed by more than `wakes`; see [`Lanes::lower`].
     pub changed: &'a mut [u64],
@@ -78,7 +78,7 @@ impl<K: Kernel, const TRACKS: bool> Loop for VisitParts<'_, K, TRACKS> {
     fn run(self) -> u32 {
         let Self { points, first, step, mut parts, marks, changed, wakes, maps } = self;
         let mut largest = [0; LANES];
-        while let &[Part { point, .. }, ..] = parts {
+        while let &[LanePart { point, .. }, ..] = parts {
             let of_point = parts.iter().take_while(|part| part.point == point).count();
             let (these, others) = parts.split_at(of_point);
             parts = others;

@@ -7,7 +7,7 @@ use super::kernel::{Fan, Kernel, LANES, Lanes, merged};
 use super::maps::{Known, Maps};
 use super::marks::WORD;
 use super::outward::Passing;
-use super::parts::{Parts, VisitParts};
+use super::parts::{LaneParts, VisitParts};
 use crate::behind::Behind;
 use crate::scan::Scan;
 use crate::{Instructions, Progress};
@@ -21,8 +21,8 @@ pub(super) struct Scans<K: Kernel> {
     chart: Chart,
     /// Coefficients of all points for each scan, in the order in which the scan passes them.
     coefficients: [Vec<K::Coefficients>; 4],
-    /// Parts of obtuse triangles for each scan.
-    parts: [Parts<K>; 4],
+    /// LaneParts of obtuse triangles for each scan.
+    parts: [LaneParts<K>; 4],
     farther: Arc<Farther>,
     spare: Mutex<Vec<Maps>>,
 }
@@ -53,7 +53,7 @@ impl<K: Kernel> Scans<K> {
             let places = lines.places().map(|(line, point)| scan.lines().place(line, point));
             places.map(|(row, col)| at(row, col)).collect()
         });
-        let parts = Scan::ALL.map(|scan| Parts::new(edges, scan));
+        let parts = Scan::ALL.map(|scan| LaneParts::new(edges, scan));
         let farther = Arc::new(Farther::new(edges));
         Self { chart, coefficients, parts, farther, spare: Mutex::default() }
     }
@@ -149,7 +149,7 @@ impl<K: Kernel> Scans<K> {
 impl<K: Kernel> BatchSolver for Scans<K> {
     fn bytes(&self) -> (usize, usize) {
         let coefficients = self.coefficients.iter().map(Vec::len).sum::<usize>();
-        let parts = self.parts.iter().map(Parts::bytes).sum::<usize>() + self.farther.bytes();
+        let parts = self.parts.iter().map(LaneParts::bytes).sum::<usize>() + self.farther.bytes();
         (coefficients * size_of::<K::Coefficients>() + parts, Maps::bytes(self.chart))
     }
 

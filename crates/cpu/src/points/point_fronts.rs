@@ -7,7 +7,7 @@ use crate::fronts::{Fronts, PointKind};
 use crate::solution::Solution;
 #[cfg(any(test, feature = "twins"))]
 use geosweep_surface::update::Carried;
-use geosweep_surface::update::{Kept, SEED};
+use geosweep_surface::update::{SEED, StoredFront};
 use geosweep_surface::{EdgeLengths, Real, Seed};
 
 /// The fronts at all points while a solver works on them.
@@ -61,11 +61,11 @@ impl<R: Real, K: PointKind<R>> PointFronts<R, K> {
 
     /// Returns the front at a point.
     #[inline]
-    pub(crate) fn at(&self, point: usize) -> Kept<R, K::Carried> {
-        Kept { time: self.times[point], carried: self.carried[point] }
+    pub(crate) fn at(&self, point: usize) -> StoredFront<R, K::Carried> {
+        StoredFront { time: self.times[point], carried: self.carried[point] }
     }
 
-    fn set(&mut self, point: usize, front: Kept<R, K::Carried>) {
+    fn set(&mut self, point: usize, front: StoredFront<R, K::Carried>) {
         (self.times[point], self.carried[point]) = (front.time, front.carried);
     }
 
@@ -81,7 +81,7 @@ impl<R: Real, K: PointKind<R>> PointFronts<R, K> {
         &self,
         point: usize,
         behind: &Behind,
-        seen: impl Fn(usize) -> Kept<R, K::Carried>,
+        seen: impl Fn(usize) -> StoredFront<R, K::Carried>,
     ) -> K::Arrival {
         self.kind.reach(&self.edges, point, behind, seen)
     }
@@ -115,7 +115,11 @@ impl<R: Real, K: PointKind<R>> PointFronts<R, K> {
 
     /// Returns how much a front has changed, or 0 if it was later than the limit before and after.
     #[inline]
-    fn change(&self, before: Kept<R, K::Carried>, after: Kept<R, K::Carried>) -> R::Bits {
+    fn change(
+        &self,
+        before: StoredFront<R, K::Carried>,
+        after: StoredFront<R, K::Carried>,
+    ) -> R::Bits {
         #[cfg(any(test, feature = "twins"))]
         if before.time.min(after.time) > self.limit {
             return R::Bits::default();
@@ -162,7 +166,7 @@ impl<R: Real, K: PointKind<R>> PointFronts<R, K> {
     pub(crate) fn exchange(
         &mut self,
         renews: bool,
-        mut changed: impl FnMut((usize, usize), [Kept<R, K::Carried>; 2]),
+        mut changed: impl FnMut((usize, usize), [StoredFront<R, K::Carried>; 2]),
     ) -> R::Bits {
         let (mut largest, edges) = (R::Bits::default(), self.edges.clone());
         let at = |map: &Self, point| (map.at(point), renews);
@@ -180,7 +184,7 @@ impl<R: Real, K: PointKind<R>> PointFronts<R, K> {
     /// becomes unreached if a scan has made the point unreached in its copy.
     pub(crate) fn take_first(&mut self, copies: &[Self; 4], point: usize) -> R::Bits {
         let before = self.at(point);
-        let (mut taken, mut left): (Option<Kept<R, K::Carried>>, _) = (None, before);
+        let (mut taken, mut left): (Option<StoredFront<R, K::Carried>>, _) = (None, before);
         for (copy, scan) in copies.iter().zip(1..) {
             let other = copy.at(point);
             if other.time >= R::FAR {

@@ -4,7 +4,7 @@ use super::scan_copy::ScanCopy;
 use super::tiles::Tiles;
 use crate::fronts::exchange;
 use crate::fronts::{FrontKind, Fronts};
-use geosweep_surface::update::Kept;
+use geosweep_surface::update::StoredFront;
 use geosweep_surface::{EdgeLengths, Real, min};
 
 /// Gives all copies of each point the earliest front among them, and returns the largest change. `copies` are two
@@ -19,7 +19,7 @@ pub(crate) fn exchange<R: Real, K: FrontKind<R>>(
     let mut largest = R::Bits::default();
     let at = |copies: &[ScanCopy<R, K::Carried>; 2], point: usize| {
         let ScanCopy { times, carried, .. } = &copies[0];
-        (Kept { time: times[point], carried: carried[point] }, renews)
+        (StoredFront { time: times[point], carried: carried[point] }, renews)
     };
     exchange::exchange::<R, K, _>(edges, copies, at, |copies, point, [before, after]| {
         for copy in copies {

@@ -12,7 +12,7 @@ use crate::fronts::{FrontKind, Fronts};
 use crate::lines::span::TILE;
 use crate::scan::Scan;
 use geosweep_surface::lanes::Loop;
-use geosweep_surface::update::{Carried, Kept};
+use geosweep_surface::update::{Carried, StoredFront};
 use geosweep_surface::{Chart, Real};
 
 /// Stores at each point, in both copies, the first of the two copies' fronts.
@@ -92,11 +92,11 @@ impl<R: Real, K: FrontKind<R>> Loop for Merge<'_, R, K> {
         let Self { a, b, scans } = self;
         let (of_a, of_b) = (a.0.iter_mut().zip(a.1), b.0.iter_mut().zip(b.1));
         for ((a, a_carried), (b, b_carried)) in of_a.zip(of_b) {
-            let of_a = Kept { time: *a, carried: *a_carried };
-            let of_b = Kept { time: *b, carried: *b_carried };
+            let of_a = StoredFront { time: *a, carried: *a_carried };
+            let of_b = StoredFront { time: *b, carried: *b_carried };
             let a_is_old = of_a.carried.is_from(scans[1].0);
             let b_is_old = of_b.carried.is_from(scans[0].0);
-            let Kept { time, carried } = K::Carried::first(of_a, of_b);
+            let StoredFront { time, carried } = K::Carried::first(of_a, of_b);
             let (time, carried) = (
                 if b_is_old { of_a.time } else { time },
                 if b_is_old { of_a.carried } else { carried },

@@ -9,8 +9,8 @@ use super::scans::{PatchCounts, Scans};
 use crate::Instructions;
 use crate::fronts::for_kind;
 use crate::limit::Limit;
-use crate::outlook::outlook;
 use crate::solution::{Solution, distances};
+use crate::target_estimate::estimate_targets;
 use geosweep_surface::update::Wavefront;
 use geosweep_surface::{Chart, EdgeLengths, FAR, Real, Seed};
 use geosweep_surface::{Convergence, Monitor, Stop, Targets};
@@ -208,7 +208,7 @@ impl<R: Real> RotatedScan<R> {
         let (chart, radius) = (self.chart, self.radius);
         let inside = |&[row, col]: &[usize; 2]| row < chart.rows && col < chart.cols;
         assert!(targets.points().iter().all(inside), "a target lies outside the grid");
-        let (estimate, foreseen) = outlook(&self.edges, seeds, targets);
+        let (estimate, foreseen) = estimate_targets(&self.edges, seeds, targets);
         self.foreseen = foreseen;
         let first = radius.min(estimate * (1.0 + FURTHER[0]));
         self.scanner.settings().limit = Limit::to(targets, first);

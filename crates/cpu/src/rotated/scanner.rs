@@ -17,7 +17,7 @@ use crate::lines::span::Before;
 use crate::lines::window::Window;
 use crate::progress::Progress;
 use crate::scan::{Scan, UpdateOptions};
-use geosweep_surface::update::Kept;
+use geosweep_surface::update::StoredFront;
 use geosweep_surface::{Block, EdgeLengths, Real, Seed};
 use geosweep_surface::{Convergence, Stop};
 
@@ -69,10 +69,10 @@ impl<R: Real, K: LaneKind<R>> Scanner<R, K> {
     }
 
     /// Returns the front at a point of the last map.
-    pub(crate) fn front(&self, row: usize, col: usize) -> Kept<R, K::Carried> {
+    pub(crate) fn front(&self, row: usize, col: usize) -> StoredFront<R, K::Carried> {
         let point = self.on.chart().bordered(row, col);
         let ScanCopy { times, carried, .. } = &self.copies[0];
-        Kept { time: times[point], carried: carried[point] }
+        StoredFront { time: times[point], carried: carried[point] }
     }
 
     /// Resets all points to unreached.

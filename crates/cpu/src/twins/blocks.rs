@@ -2,7 +2,7 @@
 //! can change. The twin of `glsl/passes/blocks.glsl`.
 
 use super::behind;
-use super::phases::{Part, ScanOrder};
+use super::phases::{ScanOrder, ScanPart};
 use crate::fronts::{PointKind, for_kind};
 use crate::points::PointFronts;
 use crate::scan::Scan;
@@ -139,7 +139,7 @@ impl Due {
     /// Records that a point, given by row and column, has changed. `by` is the part that changed it, or `None` for
     /// a seed or an exchange between copies. The scan that changed the point need not visit the point's block again
     /// because of this change.
-    fn changed(&mut self, (row, col): (usize, usize), by: Option<&Part>) {
+    fn changed(&mut self, (row, col): (usize, usize), by: Option<&ScanPart>) {
         for (scan, order) in Scan::ALL.into_iter().enumerate() {
             let texel = order.lines().place(row, col).0 / 2;
             let (block, line) = (texel / self.lines, texel % self.lines);

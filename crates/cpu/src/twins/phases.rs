@@ -6,7 +6,7 @@ use std::ops::Range;
 use crate::fronts::PointKind;
 use crate::points::PointFronts;
 use crate::scan::Scan;
-use geosweep_surface::update::Kept;
+use geosweep_surface::update::StoredFront;
 use geosweep_surface::{Chart, Real, Tiling};
 
 /// Order of the four scans of an iteration.
@@ -23,7 +23,7 @@ pub enum ScanOrder {
 
 /// Blocks of lines that one scan visits in a phase. Other scans of the phase are at work elsewhere.
 #[derive(Clone, Debug)]
-pub(super) struct Part {
+pub(super) struct ScanPart {
     pub scan: Scan,
     /// The blocks, counted from the start of the grid.
     pub blocks: Range<usize>,
@@ -34,13 +34,13 @@ pub(super) struct Part {
 impl ScanOrder {
     /// Returns the phases of an iteration in blocks of `lines` lines of texels, which are pairs of rows or
     /// columns. No part of a phase sees what another part of the phase has done.
-    pub(super) fn phases(self, chart: Chart, lines: usize) -> Vec<Vec<Part>> {
+    pub(super) fn phases(self, chart: Chart, lines: usize) -> Vec<Vec<ScanPart>> {
         let part = |scan: Scan, half: Option<bool>| {
             let tiling = Tiling::new(chart.by(scan.lines()), 2 * lines);
             let count = tiling.tiles().rows;
             let middle = count.div_ceil(2);
             let blocks = half.map_or(0..count, |last| if last { middle..count } else { 0..middle });
-            Part { scan, lines: tiling.rows(blocks.clone()), blocks }
+            ScanPart { scan, lines: tiling.rows(blocks.clone()), blocks }
         };
         match self {
             Self::InTurn => Scan::ALL.map(|scan| vec![part(scan, None)]).into(),
@@ -58,7 +58,7 @@ impl ScanOrder {
     }
 }
 
-impl Part {
+impl ScanPart {
     /// Returns whether a point, given by its index in a bordered array, lies in the blocks, or on the border
     /// beside them.
     fn has(&self, chart: Chart, point: usize) -> bool {
@@ -74,7 +74,7 @@ impl Part {
         fronts: &PointFronts<R, K>,
         before: &PointFronts<R, K>,
         point: usize,
-    ) -> Kept<R, K::Carried> {
+    ) -> StoredFront<R, K::Carried> {
         let of = if self.has(fronts.edges.chart(), point) { fronts } else { before };
         of.at(point)
     }
@@ -100,7 +100,7 @@ mod tests {
                 assert!(found.eq(visited), "{order:?}, scan {index}");
             }
             for parts in &phases {
-                let points = |part: &Part| {
+                let points = |part: &ScanPart| {
                     (0..chart.bordered_points()).filter(|&x| part.has(chart, x)).collect::<Vec<_>>()
                 };
                 let all: Vec<_> = parts.iter().flat_map(points).collect();

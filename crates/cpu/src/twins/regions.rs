@@ -6,7 +6,7 @@ use crate::fronts::{TriangleFronts, TriangleKind, for_triangle_kind};
 use crate::points::PointFronts;
 use geosweep_surface::Stop;
 use geosweep_surface::constants::{FLOW_JUMPS, NEAR_PLACES, PARENT_JUMPS};
-use geosweep_surface::update::{Kept, Setting, Wavefront, base_crossing};
+use geosweep_surface::update::{Setting, StoredFront, Wavefront, base_crossing};
 use geosweep_surface::{Chart, Direction, EdgeLengths, Groups, Real, Seed};
 
 /// A column and a row.
@@ -147,7 +147,7 @@ fn begin<K: TriangleKind<f32>>(
         let time = fronts.time(other);
         let is_before = time < here || (time == here && first_copy(other) < own_copy);
         let is_before = is_before && first_copy(other) != own_copy;
-        Kept { time: if is_before { time } else { f32::FAR }, ..fronts.at(other) }
+        StoredFront { time: if is_before { time } else { f32::FAR }, ..fronts.at(other) }
     };
     let mut first = (f32::FAR, 0);
     for (number, triangle) in triangles.iter().enumerate() {

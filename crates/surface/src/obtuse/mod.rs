@@ -7,6 +7,6 @@ pub(super) mod parts;
 mod search;
 
 #[doc(hidden)]
-pub use parts::Part;
+pub use parts::SplitPart;
 #[doc(hidden)]
 pub use search::is_obtuse;

@@ -67,7 +67,7 @@ impl<R: Real> Band<R> {
     }
 }
 
-/// Parts are stored for a single map if at most one point in `FEW` has obtuse triangles. If all points have some,
+/// SplitParts are stored for a single map if at most one point in `FEW` has obtuse triangles. If all points have some,
 /// storing adds about half of the map's time.
 const FEW: usize = 4;
 

@@ -11,15 +11,15 @@ use crate::real::Real;
 /// once the map has taken more than a few iterations. `None` in the lock means that there are no such triangles, or too
 /// many to store.
 #[derive(Clone, Debug)]
-pub(crate) struct Parts<R>(pub(super) OnceLock<Option<[SideParts<R>; 4]>>);
+pub(crate) struct SplitParts<R>(pub(super) OnceLock<Option<[SideParts<R>; 4]>>);
 
-impl<R> Default for Parts<R> {
+impl<R> Default for SplitParts<R> {
     fn default() -> Self {
         Self(OnceLock::new())
     }
 }
 
-impl<R: Real> Parts<R> {
+impl<R: Real> SplitParts<R> {
     /// Returns the number of bytes held.
     #[inline]
     pub(crate) fn bytes(&self) -> usize {
@@ -74,7 +74,7 @@ pub(super) struct Stored<R> {
 
 /// A part of an obtuse triangle.
 #[derive(Clone, Copy, Debug)]
-pub struct Part<R> {
+pub struct SplitPart<R> {
     /// The two other corners, as indices into the bordered array.
     pub corners: [usize; 2],
     /// Lengths of x0 x1, x0 x2 and x1 x2.
@@ -101,12 +101,12 @@ impl<'a, R: Real> SplitTriangles<'a, R> {
     #[doc(hidden)]
     pub fn parts(
         self,
-    ) -> impl Iterator<Item = (usize, impl Iterator<Item = Part<R>> + use<'a, R>)> + use<'a, R>
+    ) -> impl Iterator<Item = (usize, impl Iterator<Item = SplitPart<R>> + use<'a, R>)> + use<'a, R>
     {
         let Self { band, triangles } = self;
         let part = move |at: usize| {
             let Stored { corners, lengths } = band.parts[at];
-            Part {
+            SplitPart {
                 corners: corners.map(|corner| corner as usize),
                 lengths,
                 slowness: band.slowness.get(at).copied().unwrap_or([R::one(); 3]),

@@ -18,7 +18,7 @@ pub use diagonals::with_diagonals;
 use error::LARGEST_INITIAL;
 pub use error::SourceError;
 pub use origin::Origin;
-use part::Part;
+use part::SourcePart;
 #[doc(hidden)]
 pub use seed::Origins;
 pub use seed::Seed;
@@ -136,7 +136,7 @@ impl Sources {
     pub fn seeds_with_origins(&self, surface: &Surface) -> Result<Vec<Seed>, SourceError> {
         let mut seeds = Vec::new();
         for source in self.iter() {
-            let (parts, initial) = (Part::all(surface, source), source.initial());
+            let (parts, initial) = (SourcePart::all(surface, source), source.initial());
             let first = parts.first().ok_or(SourceError::EmptyCurve)?.first();
             let of_source = part::seeds(surface, &parts, initial)?;
             if initial.is_nan() || initial.abs() >= LARGEST_INITIAL {

@@ -16,13 +16,13 @@ use crate::{Sheet, Surface};
 const AROUND: usize = 4;
 
 /// Segments of a source without a jump over a seam between them.
-pub struct Part {
+pub struct SourcePart {
     segments: Vec<Segment>,
     /// The place that stands for the source in the seeds of all parts of a point source.
     name: Option<DVec2>,
 }
 
-impl Part {
+impl SourcePart {
     /// Returns the parts of a source.
     ///
     /// A point source on an edge of a seam has a part at each of its copies. A curve along a seam has a part on each
@@ -76,7 +76,7 @@ impl Part {
 /// initial values.
 pub(super) fn seeds(
     surface: &Surface,
-    parts: &[Part],
+    parts: &[SourcePart],
     initial: f64,
 ) -> Result<Vec<Seed>, SourceError> {
     let parts: Vec<_> = parts.iter().map(|part| part.placed(surface)).collect::<Result<_, _>>()?;

@@ -18,7 +18,7 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use super::anchor::Anchor;
-use super::carried::Kept;
+use super::carried::StoredFront;
 use super::inside::InsideSources;
 use crate::constants::{ALIKE, ALIKE_AT_ANCHOR, BENDS_BACK, LINES_BACK};
 use crate::{
@@ -286,7 +286,7 @@ impl<R: Real> Floor<R> {
         first: [usize; 2],
         ahead: [isize; 2],
         along: [isize; 2],
-        front: impl Fn(usize) -> Kept<R, Anchor<R>>,
+        front: impl Fn(usize) -> StoredFront<R, Anchor<R>>,
     ) -> Rays<R> {
         let behind = |axis: usize| first[axis].wrapping_add_signed(-ahead[axis]);
         let behind = self.chart.entry_index(behind(0), behind(1));
@@ -311,7 +311,7 @@ impl<R: Real> Floor<R> {
 
     /// Returns the arrival time at an anchor.
     #[inline(always)]
-    fn known(&self, anchor: usize, front: &impl Fn(usize) -> Kept<R, Anchor<R>>) -> R {
+    fn known(&self, anchor: usize, front: &impl Fn(usize) -> StoredFront<R, Anchor<R>>) -> R {
         self.of_anchor(anchor, front).map_or(R::FAR, |(time, _)| time)
     }
 
@@ -321,12 +321,12 @@ impl<R: Real> Floor<R> {
     fn of_anchor(
         &self,
         anchor: usize,
-        front: &impl Fn(usize) -> Kept<R, Anchor<R>>,
+        front: &impl Fn(usize) -> StoredFront<R, Anchor<R>>,
     ) -> Option<(R, usize)> {
         if let Some(source) = anchor.checked_sub(self.first_inside()) {
             return Some((R::of(self.inside.all()[source].time), anchor));
         }
-        let Kept { time, carried } = front(anchor);
+        let StoredFront { time, carried } = front(anchor);
         (time < R::FAR).then(|| (time, carried.number()))
     }
 
@@ -335,7 +335,7 @@ impl<R: Real> Floor<R> {
     fn before(
         &self,
         anchor: usize,
-        front: &impl Fn(usize) -> Kept<R, Anchor<R>>,
+        front: &impl Fn(usize) -> StoredFront<R, Anchor<R>>,
     ) -> Option<(R, usize)> {
         let (_, before) = self.of_anchor(anchor, front).filter(|&(_, before)| before != anchor)?;
         Some((self.of_anchor(before, front)?.0, before))
@@ -352,10 +352,10 @@ impl<R: Real> Floor<R> {
         &self,
         x0: usize,
         to: usize,
-        front: &impl Fn(usize) -> Kept<R, Anchor<R>>,
+        front: &impl Fn(usize) -> StoredFront<R, Anchor<R>>,
     ) -> Option<End<R>> {
         let point = self.neighbour(x0, to)?;
-        let Kept { time, carried } = front(point);
+        let StoredFront { time, carried } = front(point);
         if time >= R::FAR {
             return None;
         }
@@ -372,7 +372,7 @@ impl<R: Real> Floor<R> {
         &self,
         x0: usize,
         middle: usize,
-        front: impl Fn(usize) -> Kept<R, Anchor<R>>,
+        front: impl Fn(usize) -> StoredFront<R, Anchor<R>>,
     ) -> Way<R> {
         let end = |turn| self.end(x0, (middle + turn) % 8, &front);
         let ends = [end(7), end(0), end(1)];
@@ -406,7 +406,7 @@ impl<R: Real> Floor<R> {
         &self,
         x0: usize,
         ends: [End<R>; 2],
-        front: &impl Fn(usize) -> Kept<R, Anchor<R>>,
+        front: &impl Fn(usize) -> StoredFront<R, Anchor<R>>,
     ) -> Way<R> {
         let [e1, e2] = ends.map(|end| self.step(x0, end.point));
         let turn = cross(e1, e2);
@@ -466,7 +466,7 @@ impl<R: Real> Floor<R> {
         anchor: usize,
         start: R,
         end: &End<R>,
-        front: &impl Fn(usize) -> Kept<R, Anchor<R>>,
+        front: &impl Fn(usize) -> StoredFront<R, Anchor<R>>,
     ) -> Option<Detour> {
         let (mut at, mut next, mut first_bend) = (end.anchor, end.point, end.anchor);
         let (mut left, mut right) = (false, false);
@@ -502,7 +502,7 @@ impl<R: Real> Floor<R> {
         x0: usize,
         way: Way<R>,
         end: &End<R>,
-        front: &impl Fn(usize) -> Kept<R, Anchor<R>>,
+        front: &impl Fn(usize) -> StoredFront<R, Anchor<R>>,
     ) -> bool {
         let Way { anchor, start, .. } = way;
         if end.anchor == anchor {

@@ -40,7 +40,7 @@ pub fn tag_of(seed: &Seed) -> u8 {
 /// The front that a point keeps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[doc(hidden)]
-pub struct Kept<R, C> {
+pub struct StoredFront<R, C> {
     /// Arrival time; [`crate::Real::FAR`] if no front has arrived.
     pub time: R,
     pub carried: C,

@@ -23,7 +23,7 @@ pub use anchor::Anchor;
 #[doc(hidden)]
 pub use anchored::{Floor, is_shorter};
 #[doc(hidden)]
-pub use carried::{Carried, EXACT, EXCHANGED, Kept, SEED, tag_of};
+pub use carried::{Carried, EXACT, EXCHANGED, SEED, StoredFront, tag_of};
 pub use circular::circular;
 #[cfg(feature = "twins")]
 #[doc(hidden)]

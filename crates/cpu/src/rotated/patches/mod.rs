@@ -28,7 +28,7 @@ use crate::lines::window::{Fronts, Window};
 use crate::progress::Progress;
 use crate::scan::Scan;
 use geosweep_surface::constants::SPLIT_REACH;
-use geosweep_surface::update::Kept;
+use geosweep_surface::update::StoredFront;
 use geosweep_surface::{Block, EdgeLengths, Real, Seed, Tiling, min, relative_change};
 use geosweep_surface::{Convergence, Stop};
 use order::Dues;
@@ -203,7 +203,7 @@ impl<R: Real, K: LaneKind<R>> PatchScanner<R, K> {
         let at = |map: &Self, point: usize| {
             let ((row, col), _) = tiling.tile_of(place(point));
             let Patch { progress, .. } = &map.patches[tiling.tiles().index(row, col)];
-            let front = Kept { time: map.times[point], carried: map.carried[point] };
+            let front = StoredFront { time: map.times[point], carried: map.carried[point] };
             (front, progress.renews())
         };
         exchange::<R, K, _>(&edges, self, at, |map, point, [before, after]| {

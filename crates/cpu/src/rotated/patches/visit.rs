@@ -11,7 +11,7 @@ use crate::rotated::panel::Panel;
 use crate::rotated::prepared::Prepared;
 use crate::rotated::scan_copy::On;
 use crate::scan::{Scan, UpdateOptions};
-use geosweep_surface::update::{Carried, Kept};
+use geosweep_surface::update::{Carried, StoredFront};
 use geosweep_surface::{Block, Real, Tiling, min};
 
 /// Data that the visits of a round share.
@@ -158,8 +158,8 @@ impl<R: Real, K: LaneKind<R>> Visits<'_, R, K> {
     fn change(&self, room: &Room<R, K::Carried>, block: &Block) -> (R::Bits, R) {
         let (mut largest, mut first) = (R::Bits::default(), R::FAR);
         for (row, col) in block.places() {
-            let before: Kept<R, K::Carried> = self.far.of(row, col);
-            let after: Kept<R, K::Carried> = room.copy.fronts().of(row, col);
+            let before: StoredFront<R, K::Carried> = self.far.of(row, col);
+            let after: StoredFront<R, K::Carried> = room.copy.fronts().of(row, col);
             let change = K::Carried::change(before, after);
             if change > R::Bits::default() {
                 largest = largest.max(change);

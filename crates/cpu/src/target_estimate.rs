@@ -19,7 +19,11 @@ const LEAST_POINTS: usize = 24;
 
 /// Returns an estimate of the time at which fronts of the seeds have come to the targets, and the number of
 /// points that were visited for it. The time is not finite if no path was found on any of the grids.
-pub fn outlook<R: Real>(edges: &EdgeLengths<R>, seeds: &[Seed], targets: &Targets) -> (f64, u64) {
+pub fn estimate_targets<R: Real>(
+    edges: &EdgeLengths<R>,
+    seeds: &[Seed],
+    targets: &Targets,
+) -> (f64, u64) {
     let chart = edges.chart();
     let mut step = LARGEST_STEP;
     while step > 1 && chart.rows.max(chart.cols) / step < LEAST_POINTS {
@@ -243,7 +247,7 @@ mod tests {
         let edges = EdgeLengths::<f32>::new(&surface).unwrap();
         let sources = Sources::point(from[0] as f64, from[1] as f64);
         let seeds = sources.seeds(&surface).unwrap();
-        let (time, visits) = outlook(&edges, &seeds, &Targets::all([to]));
+        let (time, visits) = estimate_targets(&edges, &seeds, &Targets::all([to]));
         let stop = Stop::settled(&surface, DEFAULT_TOLERANCE);
         let map = rotated_scan(&edges, &seeds, Wavefront::Curved, stop).distances();
         (time / f64::from(map[surface.chart().index(to[0], to[1])]), visits)
