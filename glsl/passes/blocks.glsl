@@ -18,7 +18,7 @@
 // texel, the scan writes one image. The next scan reads that image and writes the other one, and the texel's block is
 // due in the next scan. So after each scan, the image that it has written holds the whole map. Phases of pairs behave
 // in the same way: in the next phase the opposite scan, or a scan of the next pair, visits the texel.
-// Twin: src/cpu/twins/blocks.rs.
+// Twin: crates/cpu/src/twins/blocks.rs.
 
 #include "shared/progress.glsl"
 

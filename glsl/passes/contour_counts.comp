@@ -1,6 +1,6 @@
 // Counts the segments of contours in each row of cells, and within a row the segments before each strip. One
 // workgroup is one row of cells. One invocation is one strip of cells in it.
-// Twin: src/geometry/contours.rs.
+// Twin: crates/geometry/src/contours.rs.
 
 #include "passes/contours.glsl"
 

@@ -1,6 +1,6 @@
 // Computes the number of segments in all rows before each row of cells, and writes the record that a draw of
 // all segments reads. A single workgroup is dispatched. One invocation takes some consecutive rows.
-// Twin: src/geometry/contours.rs.
+// Twin: crates/geometry/src/contours.rs.
 
 #include "passes/contours.glsl"
 #include "shared/curve.glsl"

@@ -1,7 +1,7 @@
 // Writes the segments of contours, two vertices each. Nearer points lie to the left as seen in a picture. If
 // the buffer is too small, the southernmost segments are left out. One workgroup is one row of cells. One
 // invocation is one strip of cells in it.
-// Twin: src/geometry/contours.rs.
+// Twin: crates/geometry/src/contours.rs.
 
 #include "passes/contours.glsl"
 #include "shared/curve.glsl"

@@ -4,7 +4,7 @@
 //
 // In contour_counts.comp and contour_segments.comp, one workgroup is a row of cells, and one invocation is a
 // strip of cells in it.
-// Twin: src/geometry/contours.rs, and src/surface/chart for which triangles there are.
+// Twin: crates/geometry/src/contours.rs, and crates/surface/src/chart for which triangles there are.
 
 #include "shared/times.glsl"
 

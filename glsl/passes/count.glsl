@@ -1,5 +1,5 @@
 // Counts an iteration, given its largest change, and returns whether it was the last.
-// Twin: src/cpu/progress.rs.
+// Twin: crates/cpu/src/progress.rs.
 bool count_iteration(uint change, uint tolerance, uint most, inout uint iterations,
                      inout uint since_reached, inout uint renews) {
     iterations += 1u;

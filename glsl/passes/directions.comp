@@ -1,7 +1,7 @@
 // Computes the direction in which the way back leaves each grid point, as a unit vector in columns and rows.
 // Copies of a point of a glued surface have the same direction, each in the columns and rows of its own side, except at
 // poles and at the corners of octahedral maps. One invocation is one point.
-// Twin: src/geometry/directions, in double precision.
+// Twin: crates/geometry/src/directions, in double precision.
 
 layout(local_size_x = WORKGROUP) in;
 

@@ -1,7 +1,7 @@
 // Measures the edges of the surface, for the shaders edges_from_*.comp. One invocation is one grid point. It
 // writes the lengths of the point's edges to the east, north, north-east and north-west, or FAR where the
 // surface has no edge.
-// Twin: src/surface/measure.rs.
+// Twin: crates/surface/src/measure.rs.
 //
 // The including shader declares a Point with a member `slowness` (0 in a hole), and
 //     Point load(ivec2 at)                              a point of the band's buffer

@@ -1,6 +1,6 @@
 // Computes the edge lengths of a surface given by its metric. The lengths at both ends of an edge are
 // averaged, weighted by slowness. One invocation is one grid point.
-// Twin: src/surface/measure.rs.
+// Twin: crates/surface/src/measure.rs.
 
 #include "passes/band.glsl"
 

@@ -1,6 +1,6 @@
 // Computes the edge lengths of a surface given by 3D points. One invocation is one grid point. Also samples how sharply
 // the surface turns, and stores the slowness where it varies (edges.glsl).
-// Twin: src/surface/measure.rs.
+// Twin: crates/surface/src/measure.rs.
 
 #include "passes/band.glsl"
 

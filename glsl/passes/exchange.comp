@@ -1,7 +1,7 @@
 // Gives all copies of a point of a glued surface the earliest front among them. It runs after the seeds, each scan
 // and each round of tiles.
 // A single workgroup is dispatched; see exchange.glsl.
-// Twin: src/cpu/fronts/exchange.rs.
+// Twin: crates/cpu/src/fronts/exchange.rs.
 
 #include "update/wavefront.glsl"
 #include "shared/progress.glsl"

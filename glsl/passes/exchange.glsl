@@ -5,7 +5,7 @@
 // so its group has many parts. Then each invocation writes some texels. Copies of several points may lie in
 // one texel.
 //
-// Twin: src/cpu/fronts/exchange.rs.
+// Twin: crates/cpu/src/fronts/exchange.rs.
 //
 // The including shader defines
 //     void load(ivec2 texel, out vec4 time, out vec4 held)

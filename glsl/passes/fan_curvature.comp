@@ -1,6 +1,6 @@
 // Computes the Gaussian curvature of each point's fan of triangles from edge lengths. It is written to the
 // layer CARRIED of the second image of fronts, which is free until a map starts. One invocation is one texel.
-// Twin: src/surface/gaussian_curvature.rs, where the formulas are explained.
+// Twin: crates/surface/src/gaussian_curvature.rs, where the formulas are explained.
 
 #include "update/tag.glsl"
 #include "shared/edge_image.glsl"

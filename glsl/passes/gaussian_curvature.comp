@@ -1,7 +1,7 @@
 // Computes the surface value of each point: the Gaussian curvature of its fan, reduced where the curvatures
 // of its neighbours differ. Beside the holes of floor plans, the value tells instead whether the point is a
 // corner; see corner.glsl. One invocation is one texel.
-// Twin: settled() in src/surface/gaussian_curvature.rs, where the formula is explained.
+// Twin: settled() in crates/surface/src/gaussian_curvature.rs, where the formula is explained.
 
 #include "update/tag.glsl"
 #include "shared/edge_image.glsl"

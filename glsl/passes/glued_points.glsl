@@ -2,7 +2,7 @@
 // goes on. Include after points.glsl.
 //
 // All copies of a point take the values of the first, and are holes if any of them is.
-// Twin: Surface::agree() in src/surface/gluing/compile.rs.
+// Twin: Surface::agree() in crates/surface/src/gluing/compile.rs.
 
 #include "shared/lattice.glsl"
 

@@ -1,7 +1,7 @@
 // Lifts the vertices of curves to the surface, for the shaders lift_from_*.comp. One row of workgroups of a
 // dispatch is one curve. One invocation handles every n-th vertex, where n is the number of invocations in
 // the row.
-// Twin: Curve::lift in src/geometry/curve.rs.
+// Twin: Curve::lift in crates/geometry/src/curve.rs.
 //
 // The including shader defines
 //     float component(ivec2 at, int index)              a component of the host's data for a point

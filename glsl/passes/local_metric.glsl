@@ -1,5 +1,5 @@
 // Computes the metric of the surface from the lengths of its edges. If there is a slowness, lengths are travel times.
-// src/geometry/directions/frame.rs computes a metric for the same purpose from positions, or takes the metric that is
+// crates/geometry/src/directions/frame.rs computes a metric for the same purpose from positions, or takes the metric that is
 // given. So it is no twin.
 
 #include "shared/edge_image.glsl"

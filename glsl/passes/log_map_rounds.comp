@@ -1,6 +1,6 @@
 // Follows the way of each point to places whose coordinates in the log map are known, and doubles the length
 // of all ways for the next round. One invocation is one point.
-// Twin: none; tests compare log maps with those of src/geometry/directions.
+// Twin: none; tests compare log maps with those of crates/geometry/src/directions.
 
 #include "shared/times.glsl"
 

@@ -1,6 +1,6 @@
 // Takes the first step of the ways of a log map: one cell along the directions from log_map_ways.comp. The
 // direction is interpolated half a cell back, between grid points. One invocation is one point.
-// Twin: none; tests compare log maps with those of src/geometry/directions.
+// Twin: none; tests compare log maps with those of crates/geometry/src/directions.
 
 layout(local_size_x = WORKGROUP) in;
 

@@ -1,7 +1,7 @@
 // Begins a log map: computes the direction of the way back from each grid point. For points near a source it
 // also follows the way to the source, and computes the direction in which the shortest path leaves the
 // source. One invocation is one point.
-// Twin: src/geometry/directions/departures.rs computes the same from maps of sources that move.
+// Twin: crates/geometry/src/directions/departures.rs computes the same from maps of sources that move.
 
 layout(local_size_x = WORKGROUP) in;
 

@@ -1,7 +1,7 @@
 // Takes the earliest front of each point where the surroundings of several sources meet. One invocation is
 // one texel of the surroundings of one source. The first source that has the texel keeps it, and writes the
 // earliest fronts of all sources to it.
-// Twin: src/cpu/twins/surroundings.rs.
+// Twin: crates/cpu/src/twins/surroundings.rs.
 
 #include "update/tag.glsl"
 #include "shared/seed_texel.glsl"

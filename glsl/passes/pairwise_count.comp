@@ -1,6 +1,6 @@
 // Counts an iteration of all maps of a batch that are not done, and decides which of them need another one.
 // One invocation is one map.
-// Twin: src/cpu/progress.rs.
+// Twin: crates/cpu/src/progress.rs.
 
 #include "passes/pairwise_progress.glsl"
 #include "passes/count.glsl"

@@ -1,7 +1,7 @@
 // Gives all copies of a point of a glued surface the earliest front among them, on all maps of a batch that are
 // not done. It runs after the start and after each scan. One workgroup is one map, and the third dimension of the
 // dispatch is the map's number; see exchange.glsl.
-// Twin: src/cpu/fronts/exchange.rs.
+// Twin: crates/cpu/src/fronts/exchange.rs.
 
 #include "passes/pairwise_progress.glsl"
 #include "passes/pairwise_layers.glsl"

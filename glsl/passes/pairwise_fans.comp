@@ -1,6 +1,6 @@
 // Writes the fans of a surface in the order in which one of the scans visits them. One invocation is one pair
 // of points of a line.
-// Twin: Fan::of in src/cpu/pairwise.
+// Twin: Fan::of in crates/cpu/src/pairwise.
 
 #include "shared/edge_image.glsl"
 #include "shared/surface_image.glsl"

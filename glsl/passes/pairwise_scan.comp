@@ -1,6 +1,6 @@
 // Scans a block of lines on all maps of a batch that are not done; see scan.glsl. The third dimension of the
 // dispatch is the map. In the first iteration of a map, each scan visits only the lines ahead of the map's source.
-// Twin: scan_outward in src/cpu/twins/scan.rs.
+// Twin: scan_outward in crates/cpu/src/twins/scan.rs.
 
 #include "passes/pairwise_progress.glsl"
 #include "passes/pairwise_layers.glsl"

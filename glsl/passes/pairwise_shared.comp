@@ -1,7 +1,7 @@
 // Runs iterations of four rotated scans on maps that lie in shared memory. One workgroup is one source. One
 // invocation handles some pairs of neighbouring points of each line. A map that is not done after the largest
 // number of iterations is stored, and continues in the next dispatch.
-// Twin: scan_outward in src/cpu/twins/scan.rs.
+// Twin: scan_outward in crates/cpu/src/twins/scan.rs.
 
 #include "passes/pairwise_progress.glsl"
 #include "passes/pairwise_fans.glsl"

@@ -1,6 +1,6 @@
 // Describes a cell of the grid and the distances in it, from the lengths of its edges alone. Lengths are in
 // units of the cell's longest edge, so that products of squares stay within single precision.
-// Twin: src/geometry/paths/cell.rs, where the arithmetic is explained.
+// Twin: crates/geometry/src/paths/cell.rs, where the arithmetic is explained.
 
 #include "shared/edge_image.glsl"
 #include "shared/times.glsl"

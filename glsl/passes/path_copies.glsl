@@ -1,5 +1,5 @@
 // Finds the copies of a place: all places of the grid at which a glued surface has the same point.
-// Twin: src/geometry/paths/seams.rs.
+// Twin: crates/geometry/src/paths/seams.rs.
 //
 // The including shader defines
 //     bool PASSES_POLES     whether paths leave a pole from another of its copies

@@ -2,7 +2,7 @@
 // begin at a copy of the place.
 //
 // The including shader defines find_source(), and the push constant `slowed`.
-// Twin: src/geometry/paths/search.rs.
+// Twin: crates/geometry/src/paths/search.rs.
 
 #include "shared/cell.glsl"
 #include "shared/source.glsl"

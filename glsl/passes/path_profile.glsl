@@ -1,7 +1,7 @@
 // Describes arrival times along an edge, and finds where the straight line on which the front arrives first
 // at a place crosses the edge. Times are in units of the cell's longest edge, and relative to the time at the
 // edge's first end. So single precision suffices where the source is far away.
-// Twin: src/geometry/paths, where the choices are explained.
+// Twin: crates/geometry/src/paths, where the choices are explained.
 
 #include "shared/times.glsl"
 

@@ -1,5 +1,5 @@
 // Places paths at their starts, except where no path can start. One invocation is one path.
-// Twin: PathTracer::trace in src/geometry/paths.
+// Twin: PathTracer::trace in crates/geometry/src/paths.
 
 #include "shared/cell.glsl"
 

@@ -1,6 +1,6 @@
 // Counts an iteration and decides whether another one follows. If so, the blocks past the middle of the grid
 // that have waited for the end of the iteration become due; see blocks.glsl. A single invocation is dispatched.
-// Twin: src/cpu/progress.rs.
+// Twin: crates/cpu/src/progress.rs.
 
 #include "passes/count.glsl"
 #include "passes/blocks.glsl"

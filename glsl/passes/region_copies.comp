@@ -1,7 +1,7 @@
 // Gives all copies of a point of a glued surface the way on which its front has come. At first each copy has a way
 // through the cells of its own side alone. The right one is the way of the copy whose front has arrived first. One
 // invocation is one group of copies.
-// Twin: share_ways() in src/cpu/twins/regions.rs.
+// Twin: share_ways() in crates/cpu/src/twins/regions.rs.
 
 layout(local_size_x = WORKGROUP) in;
 

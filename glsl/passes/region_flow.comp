@@ -1,6 +1,6 @@
 // Extends the ways of all points by the ways of the points around their ends, and takes over the label of the
 // nearest point there once it is known. One invocation is one point.
-// Twin: src/cpu/twins/regions.rs.
+// Twin: crates/cpu/src/twins/regions.rs.
 
 #include "shared/cell.glsl"
 

@@ -1,7 +1,7 @@
 // Labels points whose way has led nowhere with the label of their first ancestor that has one. The parent of
 // a point is the nearer end of the base that its way crosses, which is always earlier. One invocation is one
 // point.
-// Twin: src/cpu/twins/regions.rs.
+// Twin: crates/cpu/src/twins/regions.rs.
 
 layout(local_size_x = WORKGROUP) in;
 

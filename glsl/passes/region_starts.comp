@@ -1,7 +1,7 @@
 // Finds the earliest of the sources' own fronts at the points around them, and in a second pass the number of
 // the first source that brings this front. One invocation is one source. Both values are stored as
 // complements, so that zero means none, and are found by atomics whose order does not matter.
-// Twin: src/cpu/twins/regions.rs.
+// Twin: crates/cpu/src/twins/regions.rs.
 
 layout(local_size_x = WORKGROUP) in;
 

@@ -1,7 +1,7 @@
 // Computes the beginning of the way to each point. A point that a source's own front reaches first gets the source's
 // label instead. On a glued surface this pass also stores when the front of each point arrives, for region_copies.comp.
 // One invocation is one point.
-// Twin: src/cpu/twins/regions.rs.
+// Twin: crates/cpu/src/twins/regions.rs.
 
 #include "shared/edge_image.glsl"
 #include "shared/surface_image.glsl"

@@ -9,7 +9,7 @@
 // continues like the ways of the points around. So each pass over all points lengthens all ways by a factor.
 // Ways do not run from grid point to grid point, which would turn them by up to half the angle between two
 // neighbours.
-// Twin of all passes: src/cpu/twins/regions.rs.
+// Twin of all passes: crates/cpu/src/twins/regions.rs.
 
 layout(set = 1, binding = 1) restrict buffer Regions {
     uint regions[];

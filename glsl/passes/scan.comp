@@ -1,6 +1,6 @@
 // Scans blocks of lines of one map; see scan.glsl. A dispatch covers one block, or many in turn if a line
 // fits into a workgroup. The opposite scan may be at work in the other half of the grid.
-// Twins: src/cpu/twins/scan.rs, and scan_in_pairs in src/cpu/twins/blocks.rs.
+// Twins: crates/cpu/src/twins/scan.rs, and scan_in_pairs in crates/cpu/src/twins/blocks.rs.
 
 #define WITH_ORIGINS
 #include "update/wavefront.glsl"

@@ -7,7 +7,7 @@
 // workgroup a neighbour is missing, so the results of one more texel become invalid with each line. The
 // workgroup beside it computes these texels too, and writes them.
 //
-// Twin: src/cpu/twins/scan.rs.
+// Twin: crates/cpu/src/twins/scan.rs.
 //
 // The including shader defines
 //     ivec3 place_of(ivec2 texel, int layer)            texel and layer in the images of fronts

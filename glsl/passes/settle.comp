@@ -2,7 +2,7 @@
 // workgroup is one tile. One invocation handles some of its texels. The very first invocation also counts the
 // rounds and decides whether more follow. It moves the list of the last round to where the first round of the
 // next recording reads it.
-// Twin: Tiles::settle in src/cpu/twins/tile_round.rs.
+// Twin: Tiles::settle in crates/cpu/src/twins/tile_round.rs.
 
 layout(local_size_x = WORKGROUP) in;
 

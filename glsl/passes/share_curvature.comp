@@ -4,7 +4,7 @@
 // A single workgroup is dispatched, since its invocations wait for each other. First, each invocation adds up some
 // parts of groups, then finds the values of some groups, then writes some texels. Points in the middles of folded
 // sides are groups of one member.
-// Twin: src/surface/gluing/curvature.rs. How rings are closed is explained in src/surface/gluing/rings.rs.
+// Twin: crates/surface/src/gluing/curvature.rs. How rings are closed is explained in crates/surface/src/gluing/rings.rs.
 
 #include "update/tag.glsl"
 #include "shared/edge_image.glsl"

@@ -1,7 +1,7 @@
 // Gives all copies of a point of a glued surface the largest of their words. It runs after each pass over the sources:
 // these passes store complements, of which the largest stands for the earliest front or the first source. One
 // invocation is one group of copies.
-// Twin: share_starts() in src/cpu/twins/regions.rs.
+// Twin: share_starts() in crates/cpu/src/twins/regions.rs.
 
 layout(local_size_x = WORKGROUP) in;
 

@@ -1,7 +1,7 @@
 // Computes the initial values around sources that lie anywhere on the grid, as seed.comp reads them. A source
 // reaches at most 2 x 2 texels. One invocation is one source and one of these texels. The first source that
 // reaches a texel writes the earliest fronts of all sources to it.
-// Twin: Sources::seeds in src/surface/sources.
+// Twin: Sources::seeds in crates/surface/src/sources.
 
 #include "update/tag.glsl"
 #include "shared/seed_texel.glsl"

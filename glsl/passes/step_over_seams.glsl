@@ -1,5 +1,5 @@
 // Computes the metric at points of seams, and carries steps from a point to its copies.
-// Twins: turn_at_copy() in src/surface/gluing/places.rs; at_copy() in src/geometry/directions/ways.rs, where positions
+// Twins: turn_at_copy() in crates/surface/src/gluing/places.rs; at_copy() in crates/geometry/src/directions/ways.rs, where positions
 // are known.
 
 #include "shared/seams.glsl"

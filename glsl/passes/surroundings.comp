@@ -9,7 +9,7 @@
 // since an update would take the fronts of two sources for a single front, which would arrive too early. The times of
 // such a source are marked exact where no front from outside its window can be earlier. Where surroundings meet,
 // merge_surroundings.comp takes the earliest fronts.
-// Twin: src/cpu/twins/surroundings.rs.
+// Twin: crates/cpu/src/twins/surroundings.rs.
 
 #include "update/wavefront.glsl"
 #include "shared/surface_image.glsl"

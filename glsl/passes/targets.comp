@@ -2,7 +2,7 @@
 // the last of these nearest targets. On maps solved by tiles, this pass also lowers the limit, so that later
 // fronts are not followed. Scans bring early and late fronts in any order, so with them the whole map is
 // computed. One workgroup runs between two rounds of tiles, or between two iterations.
-// Twin: Limit::lower in src/cpu/limit.rs.
+// Twin: Limit::lower in crates/cpu/src/limit.rs.
 
 layout(push_constant) uniform Ends {
     ivec2 texels; // columns and rows of texels, without the border

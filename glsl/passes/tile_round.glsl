@@ -10,7 +10,7 @@
 //
 // The including shader may define WITH_POINTS, and with it WITH_SHUFFLES. These are macros and not specialization
 // constants, since drivers would spend time on code that a constant only disables.
-// Twin: src/cpu/twins/tile_round.rs.
+// Twin: crates/cpu/src/twins/tile_round.rs.
 
 #define WITH_ORIGINS
 #include "update/wavefront.glsl"

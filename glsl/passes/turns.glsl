@@ -1,6 +1,6 @@
 // Measures how sharply the surface turns from point to point, so that a renderer knows whether its grid
 // resolves the surface.
-// Twin: src/surface/resolution.rs, where it is explained.
+// Twin: crates/surface/src/resolution.rs, where it is explained.
 
 // Returns the unit normal at a point with all four neighbours on the grid, otherwise zero.
 vec3 normal_inside(ivec2 at) {

@@ -1,7 +1,7 @@
 // Estimates the typical length of a surface's edges along rows and columns from some texels of the grid. It
 // averages the logarithms of the lengths, which are interpolated linearly between powers of two. A single
 // workgroup is dispatched. One invocation handles some of the texels.
-// Twin: src/cpu/rotated/typical_edge.rs.
+// Twin: crates/cpu/src/rotated/typical_edge.rs.
 
 #include "shared/edge_image.glsl"
 #include "shared/progress.glsl"

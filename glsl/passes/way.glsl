@@ -1,7 +1,7 @@
 // Finds the direction in which the way back leaves a grid point. Where squared times are smooth and the
 // source is not near, it is the direction of their steepest descent; elsewhere it is the direction of the
 // path's first line.
-// Twin: src/geometry/directions/ways.rs. Behind corners, the twin subtracts the arrival time at the corner
+// Twin: crates/geometry/src/directions/ways.rs. Behind corners, the twin subtracts the arrival time at the corner
 // before it squares times.
 
 #include "passes/ways.glsl"

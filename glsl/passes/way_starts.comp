@@ -2,7 +2,7 @@
 // source's cells when a front arrives there over a straight line from a source. In the second pass (turn 1), stores the
 // first source whose front is the earliest there. All values but the latest initial value are complements, so that
 // atomics keep the smallest one whatever their order; see ways.glsl. One invocation is one source.
-// Counterpart: src/geometry/paths/goals.rs, which lists the sources of each cell.
+// Counterpart: crates/geometry/src/paths/goals.rs, which lists the sources of each cell.
 
 #include "shared/cell.glsl"
 #include "shared/start.glsl"

@@ -8,7 +8,7 @@ vec4 bilinear(vec2 uv) {
 // Computes the weights of a cell's corners at a place, where some corners may be missing. The order is
 // north-west, north-east, south-west, south-east. `uv` is the offset of the place from the first corner, in
 // columns and rows. Returns false if the place lies in a hole.
-// Twin: corner_weights() in src/surface/chart, where the weights are explained.
+// Twin: corner_weights() in crates/surface/src/chart, where the weights are explained.
 bool corner_weights(bvec4 there, vec2 uv, out vec4 weights) {
     vec2 not_uv = 1.0 - uv;
     weights = bilinear(uv);

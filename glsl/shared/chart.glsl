@@ -12,7 +12,7 @@
 //     place   a position on the grid, between its points
 //
 // The image of edge lengths has one texel per point: its edges to the east, north, north-east and north-west.
-// Twins: src/surface/chart and src/vulkan/texel_chart.rs.
+// Twins: crates/surface/src/chart and src/vulkan/texel_chart.rs.
 
 #include "shared/constants.glsl"
 

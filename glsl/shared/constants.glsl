@@ -34,14 +34,14 @@
 // arrival time, and counts beside relative changes of that time.
 #define CURVATURE_COUNTS 1e-4
 // Fronts may carry the number of an origin in place of a curvature. These numbers begin at minus this value;
-// see src/update/curvature.rs.
+// see crates/surface/src/update/curvature.rs.
 #define FIRST_ORIGIN 2305843009213693952.0
 // Weight of a change of a front's origin in the residual. It is multiplied by CURVATURE_COUNTS.
 #define ORIGIN_COUNTS 0.1
 // Largest number of origins that have a number.
 #define MOST_ORIGINS 16777216
 // A front is in sight of its origin if its time equals that of the straight line from there, up to this part
-// of the line's length; see src/update/sight.rs.
+// of the line's length; see crates/surface/src/update/sight.rs.
 #define IN_SIGHT 0.02
 // A front lies on the straight line from its origin, nearly up to rounding, if its time differs by no more
 // than this part of the line's length.

@@ -1,5 +1,5 @@
 // Finds the copies of single points of a glued grid.
-// Counterpart: src/geometry/copies.rs.
+// Counterpart: crates/geometry/src/copies.rs.
 //
 // The including shader declares
 //     ivec2 grid;        columns and rows of the whole grid

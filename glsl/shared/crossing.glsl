@@ -1,7 +1,7 @@
 // Finds where the map takes a value on an edge between grid points. A squared time is represented by its
 // excess over the squared time at the edge's first end. The excess is computed as the product of a difference
 // and a sum. In single precision, the difference of two squares would lose its digits.
-// Twin: src/geometry/arrivals.rs.
+// Twin: crates/geometry/src/arrivals.rs.
 
 // The excess of the squared time over its value at the first end of an edge, along the edge.
 struct Profile {

@@ -1,5 +1,5 @@
 // Continues the grid beyond its sides, where opposite sides are glued.
-// Counterpart: Lattice::at in src/surface/gluing/lattice.rs, which moves points only and allows for repeated lines.
+// Counterpart: Lattice::at in crates/surface/src/gluing/lattice.rs, which moves points only and allows for repeated lines.
 //
 // The including shader declares
 //     ivec2 grid;       columns and rows of the whole grid

@@ -1,7 +1,7 @@
 // Implements the update of fronts with anchors, which is exact over floor plans. Nearly everywhere, all neighbours
 // behind a point have the same anchor. Such points are updated together, four at once. Other points are updated one
 // after another.
-// Twin: src/update/anchored.rs, where the update is explained.
+// Twin: crates/surface/src/update/anchored.rs, where the update is explained.
 
 #include "shared/processor.glsl"
 #include "shared/surface_image.glsl"

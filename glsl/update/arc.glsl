@@ -1,5 +1,5 @@
 // Computes lengths of edges along the surface rather than along chords.
-// Twin: src/surface/arc.rs, where the formulas are explained.
+// Twin: crates/surface/src/arc.rs, where the formulas are explained.
 //
 // The including shader declares
 //     int arcs                                          0 for chords, else for lengths along the surface (band.glsl)

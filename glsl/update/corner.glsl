@@ -2,7 +2,7 @@
 // of a point into eighths. On floor plans, the surface value of a point that lacks an edge holds three items: the tag,
 // whether the point is a corner, and its open eighths. `there` has a bit for each of the eight neighbours,
 // counter-clockwise from east: 1 if the neighbour is present. Include after tag.glsl.
-// Twin: src/surface/corner.rs.
+// Twin: crates/surface/src/corner.rs.
 
 // Bits of the directions along grid axes.
 const uint AXES = 0x55u;

@@ -1,7 +1,7 @@
 // Implements the curved update, for four triangles at once, where fronts of several origins meet. On maps with several
 // sources a front carries the number of its origin in place of a curvature, as long as its time agrees with the length
 // of the straight line from the origin.
-// Twin: src/update/sight.rs, where the formulas are explained. The twin computes distances in double precision.
+// Twin: crates/surface/src/update/sight.rs, where the formulas are explained. The twin computes distances in double precision.
 
 #include "update/anchors.glsl"
 

@@ -1,6 +1,6 @@
 // Implements updates where the slowness differs between the corners of a triangle. The slowness is linear along each
 // edge, and an edge costs its length times the mean slowness of its ends. Lengths `l1`, `l2` and `c` are such costs.
-// Twin: src/update/slowed.rs, where the formulas are explained.
+// Twin: crates/surface/src/update/slowed.rs, where the formulas are explained.
 
 // Returns 1 where the slowness jumps at one of three points, else 0. `a`, `b` and `c` are their slownesses, which have
 // the tag JUMPS beside a jump.

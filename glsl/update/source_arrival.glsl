@@ -4,7 +4,7 @@
 // place be p = sum of w_i p_i, with the positions p_i and weights w_i of the corners, and this corner be at 0. Then
 // |p|^2 = sum of w_i w_j <p_i, p_j>, and 2 <p_i, p_j> = |p_i|^2 + |p_j|^2 - |p_i - p_j|^2.
 // No positions are needed, and the lengths include the slowness.
-// Twin: Sources::seeds in src/surface/sources, in terms of positions.
+// Twin: Sources::seeds in crates/surface/src/sources, in terms of positions.
 
 #include "shared/edge_image.glsl"
 #include "shared/cell.glsl"

@@ -1,7 +1,7 @@
 // Computes fronts through the parts of obtuse triangles. Such a triangle is not updated as a whole. A grid point beyond
 // the triangle's base is unfolded into the triangle's plane, and splits the triangle into two parts. If no point splits
 // the triangle, only its edges are used.
-// Twin: src/surface/unfold.rs, where unfolding is explained.
+// Twin: crates/surface/src/unfold.rs, where unfolding is explained.
 //
 // The including shader defines
 //     vec2 front_at(ivec2 point)          arrival time and carried value at any point of the grid

@@ -33,14 +33,14 @@ pub const FLAT: f64 = 1e-30;
 /// arrival time, and counts beside relative changes of that time.
 pub const CURVATURE_COUNTS: f64 = 1e-4;
 /// Fronts may carry the number of an origin in place of a curvature. These numbers begin at minus this value;
-/// see src/update/curvature.rs.
+/// see crates/surface/src/update/curvature.rs.
 pub const FIRST_ORIGIN: f64 = 2305843009213693952.0;
 /// Weight of a change of a front's origin in the residual. It is multiplied by CURVATURE_COUNTS.
 pub const ORIGIN_COUNTS: f64 = 0.1;
 /// Largest number of origins that have a number.
 pub const MOST_ORIGINS: u32 = 16777216;
 /// A front is in sight of its origin if its time equals that of the straight line from there, up to this part
-/// of the line's length; see src/update/sight.rs.
+/// of the line's length; see crates/surface/src/update/sight.rs.
 pub const IN_SIGHT: f64 = 0.02;
 /// A front lies on the straight line from its origin, nearly up to rounding, if its time differs by no more
 /// than this part of the line's length.
