@@ -6,7 +6,7 @@ use std::sync::Arc;
 use ash::vk;
 use ash::vk::Handle;
 
-use super::arguments::{Output, list, reference, write};
+use super::arguments::{Output, list, reference};
 use super::frame::{
     GEOSWEEP_POINTS_UNCHANGED, GeosweepAccess, GeosweepFrame, GeosweepReader, GeosweepSources,
     access, limit, reader, sources, unreached,
@@ -238,7 +238,8 @@ calls! {
         outcome: *mut GeosweepOutcome,
     ) {
         let bytes = reference(bytes.cast::<[u8; embed::Outcome::BYTES]>(), "bytes")?;
-        write(outcome, "outcome", object(surface)?.surface.outcome_from(bytes)?.into())?;
+        let (surface, output) = (object(surface)?, Output::new(outcome, "outcome")?);
+        output.write(surface.surface.outcome_from(bytes)?.into());
     }
 
     /// Writes the map to the slot's image of distances, for a reader. Waits for the reads by `reader` in earlier

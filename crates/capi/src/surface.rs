@@ -322,7 +322,8 @@ calls! {
         slot: u32,
         outcome: *mut GeosweepOutcome,
     ) {
-        write(outcome, "outcome", object(surface)?.surface.outcome(slot as usize)?.into())?;
+        let (surface, output) = (object(surface)?, Output::new(outcome, "outcome")?);
+        output.write(surface.surface.outcome(slot as usize)?.into());
     }
 
     /// Tells a solver with checks that the last recording for a slot was discarded and will never run.
