@@ -91,7 +91,7 @@ const ROW_WORDS: usize = 1 + WORKGROUP as usize;
 impl Contours {
     /// Returns the smallest size in bytes of a buffer of the host for [`Solver::contours_into`].
     pub fn buffer_bytes(vertices: u32) -> u64 {
-        layout_of(vertices).bytes()
+        contour_layout(vertices).bytes()
     }
 }
 
@@ -118,14 +118,14 @@ fn make(
     Ok((info, ContourKind { pipelines }))
 }
 
-fn layout_of(vertices: u32) -> CurveLayout {
-    // A segment has two vertices.
+/// Returns the layout of a buffer for contours. Its capacity is even, since a segment has two vertices.
+fn contour_layout(vertices: u32) -> CurveLayout {
     CurveLayout { curves: 1, capacity: vertices / 2 * 2, between: 0 }
 }
 
 /// Returns the buffers for the curves, and for levels and counts.
 fn info(limits: &Limits, chart: Chart, vertices: u32) -> Result<OutputInfo, VulkanError> {
-    let layout = layout_of(vertices);
+    let layout = contour_layout(vertices);
     if layout.capacity == 0 {
         let reason = format!("{vertices} vertices are too few for a line");
         return Err(VulkanError::Curves { what: "contours", reason });

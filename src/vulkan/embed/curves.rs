@@ -232,7 +232,7 @@ impl<K: CurveKind> Output<K> {
         let Recording { recorder, surface, .. } = recording;
         let sets = self.sets()?.sets();
         let traced = sets.len() - self.lifting.len();
-        let set = recording.points_in(sets[traced + points]);
+        let set = recording.at_points_offset(sets[traced + points]);
         surface.sets.points[points].is_read(&surface.flight);
         let Points { memory, kind, .. } = surface.points[points];
         let spacing = kind.spacing().map_or([0.0; 2], |of| [of.dx as f32, of.dy as f32]);

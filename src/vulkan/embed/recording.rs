@@ -441,9 +441,11 @@ impl<'a> Recording<'a> {
         Ok((set.at("points", self.points_at)?, self.surface.points[number]))
     }
 
-    /// Applies the offset of this recording to a set that reads the surface's points. The offset was checked
-    /// before.
-    pub(super) fn points_in(&self, set: HostSet) -> HostSet {
+    /// Returns a set that reads the surface's points, with this recording's offset into their buffer.
+    ///
+    /// # Panics
+    /// If the offset was not checked before.
+    pub(super) fn at_points_offset(&self, set: HostSet) -> HostSet {
         set.at("points", self.points_at).expect("the points were checked")
     }
 }

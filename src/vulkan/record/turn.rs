@@ -19,25 +19,26 @@ pub(crate) struct Turn {
     wanted: AtomicU32,
     /// Number of the part that the current recording has reached.
     part: AtomicU32,
-    merged: Mutex<Merged>,
+    merged: Mutex<MergedBarrier>,
 }
 
-/// All barriers after a part, merged.
+/// Union of the barriers that several recordings need at the same point.
 #[derive(Debug)]
-struct Merged {
-    is_there: bool,
-    /// Stages and memory accesses before the barrier. `after` holds those after it.
+struct MergedBarrier {
+    needed: bool,
+    /// Stages and memory accesses before the barrier.
     before: Access,
+    /// Stages and memory accesses after the barrier.
     after: Access,
     images: [ImageBarrier; MOST_TOGETHER],
     count: usize,
 }
 
-impl Default for Merged {
+impl Default for MergedBarrier {
     fn default() -> Self {
         let none = (vk::PipelineStageFlags::empty(), vk::AccessFlags::empty());
         let images = [ImageBarrier::default(); MOST_TOGETHER];
-        Self { is_there: false, before: none, after: none, images, count: 0 }
+        Self { needed: false, before: none, after: none, images, count: 0 }
     }
 }
 
@@ -47,7 +48,7 @@ impl Turn {
         self.part.load(Relaxed) == self.wanted.load(Relaxed)
     }
 
-    fn merged(&self) -> MutexGuard<'_, Merged> {
+    fn merged(&self) -> MutexGuard<'_, MergedBarrier> {
         self.merged.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -66,7 +67,7 @@ impl Turn {
         });
     }
 
-    fn end_part(&self, merge: impl FnOnce(&mut Merged)) {
+    fn end_part(&self, merge: impl FnOnce(&mut MergedBarrier)) {
         if self.is_now() {
             merge(&mut self.merged());
         }
@@ -97,19 +98,19 @@ impl Turn {
     }
 }
 
-impl Merged {
+impl MergedBarrier {
     fn widen(&mut self, before: Access, after: Access) {
-        self.is_there = true;
+        self.needed = true;
         self.before = (self.before.0 | before.0, self.before.1 | before.1);
         self.after = (self.after.0 | after.0, self.after.1 | after.1);
     }
 
     fn append(&mut self, device: &ash::Device, buffer: vk::CommandBuffer) {
-        if self.is_there {
+        if self.needed {
             let images = &self.images[..self.count];
             barrier::merged(device, buffer, self.before, self.after, images);
         }
         let none = (vk::PipelineStageFlags::empty(), vk::AccessFlags::empty());
-        (self.is_there, self.before, self.after, self.count) = (false, none, none, 0);
+        (self.needed, self.before, self.after, self.count) = (false, none, none, 0);
     }
 }
