@@ -4,23 +4,22 @@
 use crate::surface::Chart;
 use crate::update::Wavefront;
 
-/// Nanoseconds of a whole call for each grid point: measuring the edges, uploading them to a GPU, the
-/// converged map, and reading the distances back.
+/// Cost of a whole call in nanoseconds per grid point: measuring the edges, uploading them to a GPU, solving the map,
+/// and reading the distances back.
 #[derive(Clone, Copy)]
 struct Costs {
     cpu: f64,
     gpu: f64,
 }
 
-/// Nanoseconds for each grid point in which the CPU measures the edges. A limited map needs them for all points,
-/// reached or not.
+/// CPU time to measure the edges, in nanoseconds per grid point. A limited map needs it for all points, reached or not.
 const MEASURING: f64 = 3.0;
-/// Nanoseconds for each grid point in which a GPU solves a map. A limited map needs the rest of the GPU's cost, for
-/// set-up and read-back, for all points.
+/// GPU time to solve a map, in nanoseconds per grid point. The rest of the GPU's cost, set-up and read-back, is for all
+/// points even in a limited map.
 const SOLVING_ON_GPU: f64 = 2.0;
 
 impl Costs {
-    /// Returns the costs for each grid point of a map that reaches a share of the points.
+    /// Returns the costs per grid point of a map that reaches the fraction `share` of the points.
     fn of_share(self, share: f64) -> Self {
         Self {
             cpu: MEASURING + (self.cpu - MEASURING) * share,
@@ -29,9 +28,9 @@ impl Costs {
     }
 }
 
-/// Seconds for opening a GPU: the loader, the driver, the device, and pipelines that a file keeps.
+/// Seconds to open a GPU: the loader, the driver, the device, and the pipelines stored in a file.
 const OPENING: f64 = 0.25;
-/// Seconds in which the pipelines of a map are compiled where no file keeps them.
+/// Seconds to compile the pipelines of a map if no file stores them.
 const COMPILING: f64 = 1.0;
 
 /// Returns the costs of a point, as measured on an NVIDIA H200 and 16 cores of its host (docs/devices) on a sphere of
@@ -57,8 +56,8 @@ pub(crate) enum Choice {
 
 impl Choice {
     /// Chooses the engine of a map in single precision. `share` is the expected share of the points that the map
-    /// reaches: 1 without a radius and targets. `is_kept` says whether pipelines are kept in a file. Vulkan is not
-    /// loaded for this choice, since the loader and its drivers alone take longer than a small map.
+    /// reaches: 1 without a radius and targets. `is_kept`: whether pipelines are stored in a file. Vulkan is not loaded
+    /// for this choice, since the loader and its drivers alone take longer than a small map.
     pub(crate) fn of(chart: Chart, wavefront: Wavefront, share: f64, is_kept: bool) -> Self {
         let points = chart.points();
         let Costs { cpu, gpu } = costs(wavefront).of_share(share);
@@ -96,8 +95,8 @@ mod tests {
         matches!(Choice::of(chart, wavefront, 1.0, is_kept), Choice::Gpu(_))
     }
 
-    /// Expects the smallest side, in steps of 256 points, from which a GPU is chosen: with pipelines kept in a file,
-    /// and without. For comparison, 2048 x 2048 points with curved fronts take the CPU 0.1 s, and opening a GPU alone
+    /// Expects the smallest side, in steps of 256 points, for which a GPU is chosen, with and without pipelines stored
+    /// in a file. For comparison, 2048 x 2048 points with curved fronts take the CPU 0.1 s, and opening a GPU alone
     /// takes longer.
     #[test]
     fn a_gpu_is_used_only_where_the_whole_call_is_faster() {

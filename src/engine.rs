@@ -8,11 +8,11 @@ use crate::{Report, UsedEngine};
 /// The engine that computes a map.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum Engine {
-    /// The CPU, or a GPU if there is one and the whole call should be faster on it, including set-up, upload
-    /// and read-back. By the figures of one GPU, this is the case from 17 million points on with curved
-    /// fronts. The report names the engine and the reason. A Vulkan device that is a CPU is used only on
-    /// request. A [`crate::Options::schedule`] requires Vulkan. A program that keeps a
-    /// [`crate::vulkan::HeadlessSolver`] sets the device up only once, and gains on smaller grids.
+    /// The CPU, or a GPU if there is one and the whole call should be faster on it, including set-up, upload and
+    /// read-back. On the GPU that was measured, this holds from 17 million points on with curved fronts. The report
+    /// names the engine and the reason. A Vulkan device that is a CPU is used only on request. A
+    /// [`crate::Options::schedule`] requires Vulkan. A program that reuses a [`crate::vulkan::HeadlessSolver`] sets the
+    /// device up only once, and gains on smaller grids too.
     #[default]
     Auto,
     /// A Vulkan device. It is an error if none can be used.

@@ -1,4 +1,4 @@
-//! The errors of the one-call interface. Messages give advice where the caller can mend the input.
+//! The errors of the one-call interface. Messages say how to correct the input, where the caller can.
 
 use crate::Cancelled;
 use crate::surface::{SourceError, SurfaceError};

@@ -141,7 +141,7 @@ impl Options {
         Ok(stop.or_after(iterations))
     }
 
-    /// Returns the radius, +infinity if there is none.
+    /// Returns the radius, or +infinity if none is set.
     pub(crate) fn checked_radius(&self) -> Result<f64, Error> {
         let radius = self.radius.unwrap_or(f64::INFINITY);
         if radius > 0.0 {
@@ -152,7 +152,7 @@ impl Options {
         Err(Error::Options(message))
     }
 
-    /// Returns an error if an option is set that rows of a distance matrix do not have.
+    /// Returns an error if an option is set that rows of a distance matrix do not support.
     pub(crate) fn check_for_rows(&self) -> Result<(), Error> {
         let fault = |message: &str| Err(Error::Options(message.into()));
         #[cfg(feature = "vulkan")]

@@ -1,6 +1,6 @@
-//! Estimates how much of a surface a limited map reaches, before any of it is measured.
+//! Estimates the fraction of a surface that a limited map reaches, before its edges are measured.
 //!
-//! The estimate only serves the choice of the engine ([`crate::auto`]). It measures a typical edge at some places of
+//! The estimate only serves the choice of the engine ([`crate::auto`]). It measures a typical edge at sample points of
 //! the grid, and assumes that fronts are ellipses of grid points around the sources. It ignores holes and seams.
 
 use std::f64::consts::PI;
@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 use crate::Targets;
 use crate::surface::{Direction, Seed, Surface};
 
-/// Number of places along rows and along columns at which edges are measured.
+/// Number of sample points along rows and along columns at which edges are measured.
 const PLACES: usize = 32;
 /// Largest number of seeds that are compared with targets.
 const SEEDS: usize = 256;
@@ -75,7 +75,7 @@ mod tests {
     use super::*;
     use crate::surface::{Sources, Spacing};
 
-    /// Returns the estimate on a plane of 200 x 300 points, 2 apart in rows and 1 in columns.
+    /// Returns the estimate on a plane of 200 x 300 points, with rows 2 apart and columns 1 apart.
     fn of(sources: &Sources, time: f64, targets: Option<Targets>, slowness: f64) -> f64 {
         let spacing = Spacing { dx: 1.0, dy: 2.0 };
         let plane = Surface::from_heights(200, 300, vec![0.0; 60_000], spacing).unwrap();

@@ -265,13 +265,13 @@ impl<'a> Problem<'a> {
         report
     }
 
-    /// Returns the time after which fronts do not matter. Like the times of the seeds, it counts from the
-    /// smallest initial value.
+    /// Returns the time after which fronts are ignored. Like the times of seeds, it is relative to the smallest initial
+    /// value.
     pub fn time_limit(&self) -> f64 {
         self.radius * (1.0 + ROUNDING) - self.start
     }
 
-    /// Returns the distance after which points are unreached. `distances` count from the smallest initial
+    /// Returns the distance beyond which points count as unreached. `distances` are relative to the smallest initial
     /// value.
     fn end<R: Real>(&self, distances: &[R]) -> f64 {
         let Some(targets) = &self.targets else { return self.radius };

@@ -64,14 +64,13 @@ impl Problem<'_> {
         Ok(self.finish(solution.distances, report))
     }
 
-    /// Returns an estimate of the time at which fronts come to the targets.
+    /// Returns an estimate of the arrival time at the targets.
     fn estimate(&self, targets: &Targets) -> Result<f64, VulkanError> {
         let edges = EdgeLengths::<f32>::new(self.grid.surface())?;
         Ok(cpu::estimate_targets(&edges, &self.seeds, targets).0)
     }
 
-    /// Returns a map of a device, or an error if the computation was cancelled, since the map may then be
-    /// incomplete.
+    /// Returns the map that a device computed. A cancelled computation is an error, since its map may be incomplete.
     pub fn finished(&self, map: DistanceMap) -> Result<DistanceMap, Error> {
         self.monitor.check()?;
         Ok(map)

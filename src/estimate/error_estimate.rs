@@ -13,7 +13,7 @@ pub struct ErrorEstimate<R = f32> {
     /// Estimate of |distance - exact distance| at each point, row-major, rounding included, in the unit of
     /// the distances. It is +infinity where the map is +infinity, and where no coarser grid reaches.
     pub errors: Vec<R>,
-    /// The map less its estimated error, sign included (Richardson's extrapolation). It is often much nearer to the
+    /// The map minus its estimated error, sign included (Richardson's extrapolation). It is often much nearer to the
     /// exact distances; see [`estimate_error`](super::estimate_error). Where there is no estimate, it equals the map.
     pub extrapolated: Vec<R>,
     /// The observed order p: over the whole map, changes from grid to grid are proportional to h^p, where h

@@ -1,9 +1,9 @@
 //! Estimates the error of a map over a floor plan, from the map of a grid twice as fine.
 //!
-//! Fronts with anchors are exact except for rounding, and except behind corners that light a region narrower than a
-//! cell over a long distance, as many corners do among single missing points. On a coarser grid outlines would change,
-//! and such corners would not show. On a finer grid outlines stay the same, and the region that such a corner lights is
-//! twice as many points wide.
+//! Fronts with anchors are exact except for rounding, and except behind corners beyond which a region stays narrower
+//! than a cell over a long distance. Many corners among single missing points are such. On a coarser grid outlines
+//! would change, and such corners would not show. On a finer grid outlines stay the same, and such a region is twice as
+//! many points wide.
 
 use super::error_estimate::ErrorEstimate;
 use crate::Options;

@@ -153,7 +153,7 @@ fn estimate<R: Precision>(
 struct Weights {
     /// Weight of d1, for two grids.
     two: f64,
-    /// Weights of d1 and d2, where the third grid helps.
+    /// Weights of d1 and d2, if a third grid improves the estimate.
     three: Option<[f64; 2]>,
 }
 
@@ -166,8 +166,8 @@ impl Weights {
         }
     }
 
-    /// Returns the factor that corrects an estimate based on errors that grow fourfold from grid to grid, if
-    /// they are observed to grow less. At least twofold growth, the first order, is assumed.
+    /// Returns the correction factor for an estimate that assumes fourfold growth of errors from grid to grid, where
+    /// less growth is observed. Growth counts as at least twofold, the first order.
     fn caution(&self, observed_order: f64) -> f64 {
         let growth = observed_order.clamp(1.0, 2.0).exp2();
         1.0 / (growth - 1.0) / self.two

@@ -99,7 +99,7 @@ impl Batches {
     }
 }
 
-/// Returns the number of consecutive sources from the first on.
+/// Returns the number of consecutive sources at the start of the list.
 fn following(sources: &[usize]) -> usize {
     let breaks = sources.windows(2).position(|pair| pair[1] != pair[0] + 1);
     breaks.map_or(sources.len(), |last| last + 1)
@@ -116,7 +116,7 @@ mod tests {
         [1, 4].map(|rows| Batches { chart: CHART, rows })
     }
 
-    /// Splits the sources. Returns all batches, and the source from which each place is computed, in order.
+    /// Splits the sources. Returns all batches, and the source of each position in the list, in order.
     fn split(batches: Batches, sources: &[usize]) -> (Vec<Batch>, Vec<usize>) {
         let (mut all, mut computed, mut end) = (Vec::new(), vec![usize::MAX; sources.len()], 0);
         for (group, batches) in batches.split(sources) {
@@ -159,7 +159,7 @@ mod tests {
         }
     }
 
-    /// Work that continues after any group must give the same bytes.
+    /// Resuming after any group must give the same bytes.
     #[test]
     fn remaining_sources_are_split_as_before() {
         let list: Vec<usize> = (0..40).map(|k| k * 11 % 42).chain(3..30).chain([3, 3, 5]).collect();

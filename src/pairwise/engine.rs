@@ -15,7 +15,7 @@ pub(super) struct RowEngine<'a> {
     grid: SolverGrid<'a>,
     wavefront: Wavefront,
     pub monitor: Monitor,
-    /// The distance after which points are unreached.
+    /// The distance beyond which points count as unreached.
     radius: f64,
     kind: Kind,
 }
@@ -103,7 +103,7 @@ impl<'a> RowEngine<'a> {
         }
     }
 
-    /// Returns the number of bytes held for the surface and for the work of `threads` threads.
+    /// Returns the bytes of memory used for the surface and for the work of `threads` threads.
     pub fn bytes(&self, threads: usize) -> usize {
         match &self.kind {
             Kind::Lanes(lanes) => lanes.bytes(threads),
@@ -130,7 +130,7 @@ impl<'a> RowEngine<'a> {
         }
     }
 
-    /// Returns how many of the sources to compute together: about `about`, but without splitting a batch.
+    /// Returns the number of sources to compute together: about `about`, without splitting a batch.
     pub fn whole_batches(&self, sources: &[usize], about: usize) -> usize {
         match &self.kind {
             Kind::Lanes(lanes) => lanes.whole_batches(sources, about),

@@ -13,8 +13,8 @@ pub(super) struct LaneEngine {
     batches: Batches,
 }
 
-/// The number of rows in a generation; later rows start from completed generations. A generation needs a few
-/// batches for the threads to share. With more rows, less is known on average when a row starts.
+/// The number of rows in a generation; later rows start from completed generations. A generation needs a few batches
+/// for the threads to share. In a larger one, fewer distances are known when a row starts.
 const GENERATION: usize = 256;
 
 impl LaneEngine {
@@ -25,7 +25,7 @@ impl LaneEngine {
         Some(Self { scan, batches })
     }
 
-    /// Returns the number of bytes held for the surface and for the work of `threads` threads.
+    /// Returns the bytes of memory used for the surface and for the work of `threads` threads.
     pub fn bytes(&self, threads: usize) -> usize {
         let (shared, batch) = self.scan.bytes();
         shared + threads * batch
@@ -36,8 +36,7 @@ impl LaneEngine {
         self.batches.most().max(PairwiseScan::LANES * threads)
     }
 
-    /// Returns how many of the sources to compute together. It is at most `most`, unless a single group is
-    /// larger.
+    /// Returns the number of sources to compute together: at most `most`, unless a single group is larger.
     pub fn whole_batches(&self, sources: &[usize], most: usize) -> usize {
         let ends = self.batches.split(sources).map(|(group, _)| group.end);
         ends.take_while(|&end| end <= most.max(self.batches.most())).last().unwrap_or(0)

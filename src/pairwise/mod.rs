@@ -81,8 +81,7 @@ impl<'a> Pairwise<'a> {
         self.surface.chart().points()
     }
 
-    /// Returns the number of bytes held while rows are computed, not counting the surface and a matrix in
-    /// memory.
+    /// Returns the bytes of memory used while rows are computed, without the surface and a matrix in memory.
     pub fn bytes(&self) -> usize {
         let held = self.engine.bytes(rayon::current_num_threads());
         held + 2 * self.wave() * self.points() * size_of::<f32>()
@@ -183,7 +182,7 @@ impl<'a> Pairwise<'a> {
         Ok(self.report(sources.len(), convergence, time))
     }
 
-    /// Returns the number of rows computed before they are passed on: enough to keep all threads busy.
+    /// Returns the number of rows that are computed and passed on together: enough to keep all threads busy.
     fn wave(&self) -> usize {
         const BYTES: usize = 16 << 20;
         let row = self.points() * size_of::<f32>();

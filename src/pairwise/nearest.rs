@@ -1,4 +1,4 @@
-//! Finds the nearest of many points, from one point outward.
+//! Finds the nearest of many points with a single map from one place.
 
 use crate::surface::Surface;
 use crate::{Error, Options, Sources, Targets, distance_map};
@@ -13,13 +13,11 @@ pub struct NearPoint {
     pub distance: f32,
 }
 
-/// Finds those `count` of some grid points (rows and columns) that are nearest to a place (row and column),
-/// in the order of their distances. Points at equal distances come in the order of the list. Points farther
-/// than the radius of `options`, and those that no path reaches, are left out. So the result may be shorter,
-/// or empty.
+/// Finds the `count` of the given grid points (rows and columns) nearest to a place (row and column), in order of
+/// distance. Points at equal distances come in the order of the list. Points farther than the radius of `options`, and
+/// those that no path reaches, are left out. So the result may be shorter, or empty.
 ///
-/// Distances are symmetric. So one map is solved, from the place outward, and only as far as the nearest points
-/// need.
+/// Distances are symmetric, so a single map from the place suffices. It is computed only as far as the nearest points.
 ///
 /// ```
 /// use geosweep::pairwise::nearest_points;

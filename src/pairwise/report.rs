@@ -18,14 +18,14 @@ pub struct PairwiseReport {
     pub rows: usize,
     /// The number of grid points, which is the number of columns.
     pub points: usize,
-    /// The number of iterations, of four scans each, of the map that took most.
+    /// The largest number of iterations that a map took, of four scans each.
     pub iterations: u32,
     /// The largest of the maps' residuals; see [`Report::residual`](crate::Report::residual).
     pub residual: f64,
     /// The tolerance that the residual had to meet.
     pub tolerance: f64,
-    /// The time from the start of the first map to the end of the last one. It includes the time in which
-    /// rows were handled in between.
+    /// The time from the start of the first map to the end of the last one. It includes the handling of rows in
+    /// between.
     pub solve_time: Duration,
 }
 

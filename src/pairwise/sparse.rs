@@ -9,9 +9,9 @@ use crate::cpu::{Order, RotatedScan, SparseRows};
 use crate::surface::{EdgeLengths, Seed, SolverGrid, Surface};
 use crate::{Convergence, Engine, Error, Options, Stop, UsedEngine};
 
-/// Computes the distances from each of some points, given by their grid indices, to all points within the
-/// radius of `options`. The work is proportional to the sum, over all rows, of the area within the radius.
-/// Rows are computed by all of rayon's threads.
+/// Computes the distances from each given point (a grid index) to all points within the radius of `options`. The work
+/// is proportional to the sum, over all rows, of the area within the radius. Rows are computed by all of rayon's
+/// threads.
 ///
 /// The options have the same meaning as for [`Pairwise`](super::Pairwise). The rows are those of the matrix
 /// of [`Pairwise`](super::Pairwise), without distances beyond the radius.

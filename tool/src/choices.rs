@@ -5,8 +5,8 @@ use std::fmt::Display;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use geosweep::Wavefront;
 
-/// A choice that may be left open. It is an alias, since clap takes a plain `Option` as an option that may be
-/// omitted.
+/// A choice that may be left open. The alias hides the `Option` from clap, which takes a plain one as an argument that
+/// may be omitted.
 pub type Choice<T> = Option<T>;
 
 /// Additional names, each with the name that it stands for: the former name of circular fronts, and a common name

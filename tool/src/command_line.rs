@@ -19,7 +19,7 @@ pub trait CommandLine: Parser {
     fn run(&self) -> Outcome;
 }
 
-/// The exit status for errors. 1 means that maps differ, in `compare` and `tune`, as in diff.
+/// The exit status for errors. As in diff, 1 stands for a difference: `compare` and `tune` return it if maps differ.
 const TROUBLE: u8 = 2;
 
 /// Parses the arguments of the process and runs them.

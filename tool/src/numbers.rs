@@ -15,7 +15,7 @@ impl Numbers {
     }
 }
 
-/// Returns a parser of a whole number in a range. `what` is what it counts, as in "points per side".
+/// Returns a parser of a whole number in a range. `what` names the counted things, such as "points per side".
 pub fn whole(
     what: &'static str,
     range: RangeInclusive<usize>,

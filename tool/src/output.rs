@@ -12,7 +12,7 @@ use geosweep::io::{IoError, OutputFile, StagedFile};
 use crate::picture::Canvas;
 use crate::terminal::{Spinner, say};
 
-/// Returns a file to write, checked before the computation starts. `what` ends with the verb, as in "a
+/// Returns a file to write, checked before the computation starts. `what` is a noun and a verb for messages, such as "a
 /// picture is".
 pub fn output_file(path: &Path, what: &str, extension: &str) -> Result<OutputFile, Box<dyn Error>> {
     if path.extension().is_none_or(|found| !found.eq_ignore_ascii_case(extension)) {
@@ -109,7 +109,7 @@ impl fmt::Display for Written {
     }
 }
 
-/// Prints one line that says what a command has done, part by part, and what it has written.
+/// Prints one line with the parts of a command's result and the files that it has written.
 pub fn done(parts: impl IntoIterator<Item = String>, written: &Written) {
     let parts = parts.into_iter().chain([written.to_string()]);
     let parts: Vec<_> = parts.filter(|part| !part.is_empty()).collect();

@@ -166,7 +166,8 @@ fn spacing(
     }
 }
 
-/// Returns whether a grid lies in the range of longitude and latitude, in small cells, and not at the origin.
+/// Returns whether coordinates look like degrees: in the range of longitude and latitude, with small cells, and not at
+/// the origin.
 fn seems_in_degrees(georeference: &Georeference, rows: usize, cols: usize) -> bool {
     let corners = [[-0.5, -0.5], [rows as f64 - 0.5, cols as f64 - 0.5]];
     let inside = corners.map(|corner| {

@@ -8,7 +8,7 @@ use tempfile::{Builder, NamedTempFile};
 
 use super::IoError;
 
-/// A place where a file can be written. It is checked before the work that produces the content begins.
+/// A path at which a file can be written. It is checked before the computation of the content begins.
 ///
 /// ```
 /// # let folder = tempfile::tempdir()?;
@@ -36,7 +36,7 @@ pub struct StagedFile {
 }
 
 impl OutputFile {
-    /// Checks that a file can be written at `path`. There may already be a file.
+    /// Checks that a file can be written at `path`. The file may already exist.
     ///
     /// # Errors
     /// If the folder is missing or not writable, or if `path` is something other than a writable regular

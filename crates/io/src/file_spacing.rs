@@ -1,4 +1,4 @@
-//! Defines what a file of heights says about the distances between its points.
+//! Represents the distances between points as a file of heights states them.
 
 use geosweep_surface::Spacing;
 

@@ -84,8 +84,8 @@ impl SurfaceFile {
         !unit.said
     }
 
-    /// Returns whether the file's map coordinates may be longitudes and latitudes: the file says so, or it does not say
-    /// what they are, as an ESRI ASCII grid without a .prj.
+    /// Returns whether the file's map coordinates may be longitudes and latitudes: the file says so, or says nothing
+    /// about them, like an ESRI ASCII grid without a .prj.
     pub fn may_be_in_degrees(&self) -> bool {
         let is_projected = self.location.geo_tags.as_ref().is_some_and(GeoTags::is_projected);
         match &self.content {

@@ -1,7 +1,7 @@
 //! Estimates the least work of a map, and how long it takes at the peak rates of a machine.
 //!
-//! The estimate counts what the update of each point needs, once. It counts neither what is computed twice at
-//! the borders of workgroups, nor what caches save.
+//! The estimate counts the data and computation of each point's update once. It ignores repeated work at the borders of
+//! workgroups, and savings by caches.
 
 use geosweep::vulkan::profile::{PassRecord, SolveProfile, SubmissionRecord};
 use geosweep::{Wavefront, cpu, vulkan};
@@ -30,7 +30,7 @@ pub struct Shares {
     pub data: Option<f64>,
     /// The share of computing the updates.
     pub arithmetic: Option<f64>,
-    /// The share of the dispatches and submissions, if they were empty.
+    /// The share of the dispatches and submissions alone, as if they were empty.
     pub dispatches: Option<f64>,
 }
 

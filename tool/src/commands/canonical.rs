@@ -236,7 +236,7 @@ fn every_few(whole: Chart, most: usize) -> (Chart, Vec<[f64; 2]>) {
     (chart, (0..chart.points()).map(place).collect())
 }
 
-/// The coordinates of all points, with those of the form's points in their places.
+/// The coordinates of all points, filled in from the form's points.
 struct Placed {
     chart: Option<Chart>,
     points: usize,

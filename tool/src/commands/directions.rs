@@ -80,7 +80,7 @@ enum DirectionFormat {
     Vector,
 }
 
-/// An output beside the map.
+/// An output in addition to the map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
     BackDirection,
@@ -148,8 +148,8 @@ impl SignArgs {
         self.signed && self.inside.is_none()
     }
 
-    /// Returns the distances of the given points, of those of all points of the surface's grid, with a sign if that is
-    /// wanted. `sources` lie on the surface's grid.
+    /// Returns the distances at the given points, selected from those at all points of the surface's grid, with a sign
+    /// if requested. `sources` lie on the surface's grid.
     pub fn of<'a, R: Real>(
         &self,
         scene: &Scene,

@@ -22,8 +22,8 @@ pub enum Values<'a> {
     Vectors(&'a [[f32; 2]]),
 }
 
-/// Returns the output file for values, checked before the computation starts. `what` ends with the verb, as in
-/// "regions are".
+/// Returns the output file for values, checked before the computation starts. `what` is a noun and a verb for messages,
+/// such as "regions are".
 pub fn grid_output(path: &Path, what: &str) -> Result<OutputFile, Box<dyn Error>> {
     if !has_extension(path, &["npy", "tif", "tiff"]) {
         let name = path.display();

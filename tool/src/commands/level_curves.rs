@@ -15,7 +15,7 @@ use crate::picture::{Canvas, Look, MapPicture, rgb, scale_of};
 use crate::problem::{CurveFiles, Problem, done_with_map};
 use crate::terminal::{List, Outcome};
 
-/// Returns the contours of a map, which go on over the seams of its surface.
+/// Returns the contours of a map, joined over the seams of its surface.
 pub fn contours_of(problem: &Problem, levels: &[f64]) -> Vec<Contour> {
     let surface = &problem.scene.surface;
     let over_seams =
@@ -163,7 +163,7 @@ pub fn comment(found: &[Contour], problem: &Problem) -> Result<(), SourceError> 
     Ok(())
 }
 
-/// Returns why levels within the map's range have no curve.
+/// Returns the reason why levels within the map's range have no curve.
 fn why_none<'a>(levels: impl Iterator<Item = &'a Contour>, problem: &Problem) -> String {
     let chart = problem.scene.surface.chart();
     let line = match (chart.rows, chart.cols) {

@@ -42,7 +42,7 @@ fn table(instance: &ash::Instance, device: vk::PhysicalDevice) -> String {
     };
     let family = |family: &vk::QueueFamilyProperties| {
         let (count, bits) = (family.queue_count, family.timestamp_valid_bits);
-        // A bar would end the cell of the table.
+        // A vertical bar would end the cell of the table.
         let flags = format!("{:?}", family.queue_flags).replace(" | ", ", ");
         format!("{count} of {flags} with timestamps of {bits} bits")
     };

@@ -101,9 +101,8 @@ impl Legend<'_> {
         }
     }
 
-    /// Returns the labels in ascending order. They are at strong lines, or at as many of the given lines as
-    /// have room for a label, which takes the fraction `room` of the bar. If there is no such line, a single
-    /// label is at the smallest value.
+    /// Returns the labels in ascending order: at strong lines, or at those given lines whose labels do not overlap. A
+    /// label takes the fraction `room` of the bar. Without any such line, a single label is at the smallest value.
     fn labels(&self, room: f64) -> Vec<(f64, String)> {
         let (low, high) = (f64::from(self.scale.low), f64::from(self.scale.high));
         let within = |value: &f64| (low..=high).contains(value);
@@ -129,7 +128,7 @@ impl Legend<'_> {
     }
 }
 
-/// Returns ascending values without those that are closer than `least` to the last value kept before them.
+/// Removes from ascending values those that are closer than `least` to the previous remaining value.
 fn apart(values: impl Iterator<Item = f64>, least: f64) -> Vec<f64> {
     let mut kept: Vec<f64> = Vec::new();
     for value in values {

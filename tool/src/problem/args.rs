@@ -1,5 +1,5 @@
-//! Holds what the commands on curves share: the arguments for surface, sources, solver and picture, and the
-//! steps before their own work.
+//! Defines the common parts of commands on curves: the arguments for surface, sources, solver and picture, and the
+//! steps before a command's own work.
 
 use std::error::Error;
 use std::path::Path;

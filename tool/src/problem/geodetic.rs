@@ -1,4 +1,4 @@
-//! Places a grid of heights on the Earth, as the command line asks for it.
+//! Places a grid of heights on the Earth, as requested on the command line.
 
 use std::error::Error;
 use std::path::Path;

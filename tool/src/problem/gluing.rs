@@ -1,4 +1,4 @@
-//! Glues sides of the surface, as the command line asks for it.
+//! Glues sides of the surface, as requested on the command line.
 
 use std::error::Error;
 
@@ -71,7 +71,7 @@ enum MapLayout {
 }
 
 impl GlueArgs {
-    /// Returns the gluing that is asked for, under any of its names.
+    /// Returns the requested gluing, given by any of its names.
     pub fn wanted(&self) -> Result<Option<Glue>, String> {
         let of_layout = self.layout.map(|layout| match layout {
             MapLayout::Octahedral => Glue::Octahedral,
@@ -209,8 +209,8 @@ impl Glue {
 const COLUMNS: Seam =
     Seam::Sides { sides: [GridSide::FirstColumn, GridSide::LastColumn], reversed: false };
 
-/// Prints a note if the grid may be a globe without its poles. A tube that narrows at both ends looks the same, so poles
-/// are not added unless they are asked for.
+/// Prints a note if the grid may be a globe without its poles. A tube that narrows at both ends looks the same, so
+/// poles are added only on request.
 fn note_lacking_poles(surface: &Surface, seams: &[Seam]) {
     let goes_round = |seam: &Seam| {
         let sides = [GridSide::FirstColumn, GridSide::LastColumn];

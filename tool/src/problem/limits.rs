@@ -1,4 +1,4 @@
-//! Holds the options for the part of a map that is computed.
+//! Defines the options that limit a map to a part of the surface.
 
 use std::error::Error;
 use std::path::PathBuf;

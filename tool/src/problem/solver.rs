@@ -77,7 +77,7 @@ fn schedules() -> [(Schedule, &'static str); Schedule::ALL.len()] {
 }
 
 impl SolverArgs {
-    /// Returns whether a Vulkan device is asked for.
+    /// Returns whether a Vulkan device is requested.
     pub fn wants_device(&self) -> bool {
         let is_vulkan = matches!(self.engine, Engine::Vulkan(_));
         is_vulkan || self.device.is_some() || self.schedule.is_some()

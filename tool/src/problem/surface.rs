@@ -239,7 +239,7 @@ impl SurfaceArgs {
     }
 }
 
-/// The note on what is assumed of heights on the Earth, and why maps are in double precision.
+/// The note on the assumed reference of heights on the Earth, and the reason for maps in double precision.
 const EARTH: &str = "heights are taken as those above the ellipsoid WGS 84; heights above sea level differ by up to \
                      107 m, which changes distances by at most a 60,000th. Maps are in double precision by default, \
                      since thin cells near the poles cost digits";
@@ -268,7 +268,7 @@ fn warn_of_resolution(surface: &Surface, args: &SurfaceArgs) {
 /// fraction.
 const MOST_SHARP: f64 = 0.1;
 
-/// Prints a warning that paths end at seams, and what helps.
+/// Prints a warning that paths end at seams, with the remedy.
 fn warn_of_seams(seams: &[Seam]) {
     if seams.is_empty() {
         return;

@@ -9,7 +9,7 @@ const POLE: f64 = 90.0;
 pub(super) type Place = [f64; 3];
 
 /// Returns the parts of a line, with longitudes from -180 to 180. Neighbouring vertices are less than half a turn
-/// apart, except at a pole, where a line begins anew.
+/// apart, except at a pole, where a new part begins.
 pub(super) fn divided(line: &[Place]) -> Vec<Vec<Place>> {
     let line: Vec<_> = line.iter().map(with_pole).collect();
     let Some((&[first, latitude, height], rest)) = line.split_first() else { return Vec::new() };

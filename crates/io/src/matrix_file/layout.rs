@@ -67,7 +67,7 @@ pub struct MatrixLayout {
 }
 
 impl MatrixLayout {
-    /// Returns the largest number of bytes that the files of the matrix take on the disk at the same time.
+    /// Returns the peak number of bytes that the files of the matrix take on disk.
     pub fn bytes(&self) -> u64 {
         let finished = self.bytes_of_rows(self.rows);
         if self.symmetric { finished + self.of_rows().bytes() } else { finished }

@@ -47,8 +47,8 @@ pub fn read_matrix(path: &Path) -> Result<SquareMatrix, IoError> {
     Ok(SquareMatrix { points, distances })
 }
 
-/// Opens an array, and returns a reader of its numbers, its header and the number of bytes of its numbers. The file has
-/// these bytes, so that memory for them may be allocated.
+/// Opens an array, and returns a reader of its numbers, its header and the number of bytes of its numbers. The file
+/// contains these bytes, so memory for them may be allocated.
 fn open(path: &Path) -> Result<(BufReader<File>, Header, usize), IoError> {
     let read_error = |source| IoError::Read { path: path.to_owned(), source };
     let content = |reason| IoError::content(path, reason);

@@ -279,8 +279,8 @@ mod tests {
         curves.iter().map(curve).collect()
     }
 
-    /// Returns a table of rows, columns, start values and names of places, in one of the ways in which programs write
-    /// tables, and what it says. Returns `None` if fields could not be told apart.
+    /// Returns a table of rows, columns, start values and names of places, in one of the styles in which programs write
+    /// tables, and its content. Returns `None` if fields would be ambiguous.
     fn table(separator: &str, index: Option<&str>, way: usize) -> Option<(String, Vec<Place>)> {
         let [decimal_comma, quotes_names, quotes_values, dos, ends, quarters] =
             std::array::from_fn(|bit| way >> bit & 1 == 1);

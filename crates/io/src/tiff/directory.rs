@@ -1,9 +1,9 @@
 //! Reads the container of a TIFF file: header, directories (IFDs) and the values of their fields.
 //!
-//! The decoder of the crate `tiff` (0.11.3) refuses 18 of the 48 variants in `tests/maps/gdal`: signed numbers where 0 is
-//! white, numbers of 9 to 31 bits, and a deflate stream that GDAL reads. It inverts other numbers where 0 is white. A file
-//! whose first picture it refuses cannot be opened at all. So decoding is here, and the types of that crate name what a
-//! file says. This module allocates no more bytes than the file has.
+//! The decoder of the crate `tiff` (0.11.3) refuses 18 of the 48 variants in `tests/maps/gdal`: signed numbers where 0
+//! is white, numbers of 9 to 31 bits, and a deflate stream that GDAL reads. It inverts other numbers where 0 is white.
+//! A file whose first picture it refuses cannot be opened at all. So files are decoded here, and only types of that
+//! crate are used, for the values of fields. This module allocates no more bytes than the file has.
 
 use std::collections::HashSet;
 

@@ -81,7 +81,7 @@ pub struct Timing {
     pub times: Vec<Duration>,
     pub iterations: u32,
     pub converged: bool,
-    /// The number of bytes that the solver holds, edge lengths included.
+    /// The bytes of memory that the solver uses, edge lengths included.
     pub bytes: Option<u64>,
     pub work: Option<Work>,
     pub shares: Shares,
@@ -188,7 +188,7 @@ struct Bench<'a> {
     bar: ProgressBar,
     solver: Option<HeadlessSolver>,
     cpu: cpu::CpuCeilings,
-    /// The ceilings of all threads, once a grid has needed them.
+    /// The ceilings of all threads; `None` until a grid needs them.
     patches: Option<cpu::CpuCeilings>,
     device: Option<vulkan::DeviceCeilings>,
     /// The combinations that were too slow on the current surface.
@@ -197,7 +197,7 @@ struct Bench<'a> {
     timings: Vec<Timing>,
 }
 
-/// A surface at some size, with what a solver needs on it.
+/// A surface at one size, with the inputs of a solver.
 #[derive(Clone, Copy)]
 struct Task<'a> {
     name: &'a BenchSurface,
@@ -259,7 +259,7 @@ impl Bench<'_> {
         }
     }
 
-    /// Returns whether a method is to be timed. A method that has been too slow before is not.
+    /// Returns whether to time a method. A method that has been too slow before is not timed.
     fn is_wanted(&self, wavefront: Wavefront, method: Method) -> bool {
         let is_planned = self.plan.methods.contains(&method);
         let too_slow = self.too_slow.contains(&(wavefront, method));
@@ -362,8 +362,7 @@ impl Bench<'_> {
         Ok(())
     }
 
-    /// Times a method: a warm-up run, then several timed runs. Returns whether the method has kept to the
-    /// limit.
+    /// Times a method: a warm-up run, then several timed runs. Returns whether the method stayed within the limit.
     fn time(
         &mut self,
         task: &Task,

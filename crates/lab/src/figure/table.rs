@@ -1,4 +1,4 @@
-//! Defines what figures that reproduce the paper's tables share.
+//! Provides the common parts of figures that reproduce the paper's tables.
 
 /// The rows of one of the paper's tables: the number of points per side, and the paper's values for such a
 /// grid.

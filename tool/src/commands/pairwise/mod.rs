@@ -363,7 +363,7 @@ impl Args {
     }
 }
 
-/// Given points that are far from one another, and the region of the points nearest to each of them.
+/// Given points that are far from one another, and the Voronoi region of each.
 struct Samples {
     points: Vec<usize>,
     regions: Voronoi,
@@ -392,7 +392,7 @@ impl Samples {
     }
 }
 
-/// Computes rows and writes their distances to the points that are kept, or to all points.
+/// Computes rows and writes their distances to the points `kept`, or to all points.
 fn row_by_row(
     pairwise: &mut Pairwise,
     mut file: Option<&mut MatrixFile>,
@@ -416,7 +416,7 @@ fn row_by_row(
     })
 }
 
-/// Returns rows of distances to the points that are kept, from rows of distances to all points.
+/// Returns rows of distances to the points `kept`, from rows of distances to all points.
 fn cropped<'a>(distances: Cow<'a, [f32]>, points: usize, kept: Option<&[usize]>) -> Cow<'a, [f32]> {
     let Some(kept) = kept else { return distances };
     let rows = distances.chunks_exact(points);

@@ -33,7 +33,7 @@ struct EarlierTotal {
 }
 
 impl Earlier {
-    /// Returns the grain of the timestamps, if this version of the tool has such a grain.
+    /// Returns the grain of the timestamps, or `None` if this version of the tool does not know it.
     pub fn grain(&self) -> Option<Grain> {
         Grain::ALL.into_iter().find(|grain| grain.name() == self.setting.grain)
     }
@@ -50,7 +50,7 @@ impl Earlier {
 /// The comparison of two profiles, kind by kind.
 #[derive(Serialize)]
 pub struct Comparison {
-    /// The differences in what was profiled. If there are any, the comparison needs care.
+    /// Differences between the two profiled settings. If there are any, the comparison needs care.
     pub differences: Vec<String>,
     pub changes: Vec<Change>,
 }
@@ -81,9 +81,9 @@ pub struct Change {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
-    /// Every run now took longer than every earlier run.
+    /// Every new run took longer than every earlier run.
     Slower,
-    /// Every run now took less time than every earlier run.
+    /// Every new run took less time than every earlier run.
     Faster,
     /// The times of the runs overlap.
     WithinNoise,

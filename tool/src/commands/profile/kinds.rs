@@ -21,14 +21,14 @@ pub struct Kind {
     pub median_pass_seconds: Option<f64>,
     /// The share of the time of all passes.
     pub share: Option<f64>,
-    /// The work of these passes in one map: this and the next four.
+    /// The work of these passes in one map: this field and the next five.
     pub texels: Option<u64>,
     pub skipped: Option<u64>,
     pub bytes_read: Option<u64>,
     pub bytes_written: Option<u64>,
     pub triangles: Option<u64>,
     pub invocations: Option<u64>,
-    /// The shares of the time at the device's peak rates.
+    /// The times that the work would take at the device's peak rates, as fractions of the time.
     pub shares: Shares,
 }
 

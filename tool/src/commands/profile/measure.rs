@@ -38,8 +38,8 @@ pub struct Measured {
     pub solved: Solved,
     pub wavefront: Wavefront,
     pub grain: Grain,
-    /// The time that timestamps of each scan would have added, relative to a map's time. It is set only
-    /// if this was too much, so that a coarser grain was chosen.
+    /// The relative time that timestamps of each scan would have added to a map. It is set only if this was too much
+    /// and a coarser grain was chosen.
     pub by_scans: Option<f64>,
     pub iterations: u32,
     pub residual: f64,
@@ -168,7 +168,7 @@ fn finest(by_scans: f64, by_iterations: f64) -> (Grain, Option<f64>) {
 
 /// The largest relative time that timestamps may add to a map.
 const ADDED: f64 = 0.025;
-/// The number of maps whose shortest time counts as undisturbed.
+/// The number of timed maps, of which the shortest time counts as undisturbed.
 const UNDISTURBED: u32 = 3;
 
 fn device(engine: &Engine) -> Result<&DeviceChoice, String> {

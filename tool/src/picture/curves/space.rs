@@ -16,8 +16,8 @@ use super::CurvePicture;
 use super::pose::Pose;
 
 const SHORTEST_SIDE: usize = 240;
-/// The number of mesh points along the longer side from which a grid is thinned out: about one point per pixel.
-/// The mesh of a larger grid has this number of points along its longer side, or up to twice as many.
+/// The smallest number of points along the longer side of a thinned-out mesh: about one per pixel. Grids are thinned
+/// out from twice this number of points on.
 const FINEST: usize = 1200;
 
 impl CurvePicture<'_> {
