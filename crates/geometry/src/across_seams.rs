@@ -15,8 +15,8 @@ const SAME: f64 = 2e-3;
 /// One end of a curve: its index, and whether it is the last vertex.
 type End = (usize, bool);
 
-/// Joins open curves whose ends are the same place of a closed surface, such as contours, which end on both sides
-/// of each seam. Curves that come back to their start are closed. The order of the other curves is kept.
+/// Joins open curves whose ends are the same place of a closed surface, such as contours, which end on both sides of
+/// each seam. Curves that return to their start are closed. The other curves stay in order.
 ///
 /// Each joined curve has the direction of its first part. On a one-sided surface, parts beyond a seam may be reversed.
 ///

@@ -48,8 +48,8 @@ impl<'a> Arrivals<'a> {
         self.is_reached(index).then(|| self.squared_at(index))
     }
 
-    /// Returns where on the edge from a point (0) to its neighbour (1) the map has the value `time`, which
-    /// lies between the values at the two ends.
+    /// Returns the position on the edge from a point (0) to its neighbour (1) at which the map has the value `time`,
+    /// which lies between the values at the two ends.
     pub fn crossing(&self, from: (usize, usize), to: Direction, time: f64) -> f64 {
         let at = |steps| self.along(from, to, steps);
         let (Some(a), Some(b)) = (at(0), at(1)) else { return 0.5 };
@@ -94,8 +94,8 @@ impl<'a> Arrivals<'a> {
     }
 }
 
-/// Returns where a function on [0, 1] takes the value `target`, which lies between the function's values at 0
-/// and 1. The method is regula falsi in the Illinois variant.
+/// Returns the argument in [0, 1] at which a function takes the value `target`, which lies between its values at 0 and
+/// 1. The method is regula falsi in the Illinois variant.
 fn solve(target: f64, function: impl Fn(f64) -> f64) -> f64 {
     let (mut a, mut b) = (0.0, 1.0);
     let (mut at_a, mut at_b) = (function(a) - target, function(b) - target);

@@ -13,7 +13,7 @@ const ON_THE_WAY: f64 = 2e-6;
 /// The rounding error of the stored value, as a fraction of that value.
 const OF_DIGITS: f64 = 4.0 * f32::EPSILON as f64;
 
-/// Returns by how much a distance may lie below the largest one and still count as equal.
+/// Returns the largest difference from the largest distance at which a distance counts as equal to it.
 pub(super) fn rounding(start: f64, largest: f64) -> f64 {
     let rounding = ON_THE_WAY * (largest - start) + OF_DIGITS * largest.abs().max(start.abs());
     if rounding.is_finite() { rounding.max(0.0) } else { 0.0 }
@@ -28,8 +28,8 @@ pub(super) fn curves(arrivals: &Arrivals, least: f64) -> Vec<Curve> {
         time.is_finite() && time >= least
     };
     let top = |(row, col): (usize, usize)| is_top(chart.index(row, col));
-    // Whether a corner of the cell to the south-east of a point is nearer than `least`. Only the border of a plateau is
-    // kept.
+    // Whether a corner of the cell to the south-east of a point is nearer than `least`. Only edges at the border of a
+    // plateau are used.
     let falls = |at: Option<(usize, usize)>| {
         let whole = at.filter(|&(row, col)| chart.neighbour(row, col, SouthEast).is_some());
         let corners = whole.map(|at| Cell::of(at).corners());

@@ -64,8 +64,8 @@ impl<'a> Neighbourhood<'a> {
         wide(self.edges.at(point, self.neighbourhood[to].base))
     }
 
-    /// Returns when the ray of a circular wavefront arrives at a point across the base between a neighbour
-    /// and the next one, and where it crosses the base, from 0 to 1.
+    /// Returns the arrival time at a point of the ray of a circular wavefront across the base between a neighbour and
+    /// the next one, and the position on the base where it crosses, from 0 to 1.
     ///
     /// `since` holds the times since the start at both neighbours, infinite where they are not known. Returns
     /// `None` unless at least one of the neighbours has both a known time and an edge to the point.

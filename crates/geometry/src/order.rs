@@ -49,7 +49,7 @@ pub(super) fn by_arrival(times: &[f32]) -> Vec<u32> {
     // A later time never gets an earlier bucket, even after rounding. The conversion saturates, and the last bucket
     // takes the rest.
     let bucket = |time: f32| (((time - first) * per_time) as usize).min(buckets - 1);
-    // Holds at first the sizes of the buckets, then their starts, at last their ends.
+    // Sizes of the buckets at first, then their starts, finally their ends.
     let mut ends = vec![0u32; buckets];
     for &time in times.iter().filter(|&&time| is_reached(time)) {
         ends[bucket(time)] += 1;

@@ -28,8 +28,8 @@ use geosweep_surface::{
 const MOVES: isize = 2;
 /// The rounding of squared distances in double precision, as a fraction of them.
 const ROUNDING: f64 = 1e-12;
-/// The largest deviation, in steps, of places of a source from even steps that counts as even. Where the grid's steps
-/// change smoothly, differences by rows and columns are the more accurate ones.
+/// The largest deviation of a source's places from even spacing, in steps, that counts as even. Where the grid's steps
+/// change smoothly, differences by rows and columns are more accurate.
 const UNEVEN: f64 = 0.05;
 /// The largest relative difference between the derivative's length and the distance.
 const OFF_LENGTH: f64 = 0.05;
@@ -97,7 +97,7 @@ impl Start {
         if is_even { EVEN } else { places }
     }
 
-    /// Returns whether the surface reaches as far as the source moves, by `steps` steps along a grid line.
+    /// Returns whether the source stays on the surface when it moves by `steps` steps along a grid line.
     fn can_move(&self, surface: &Surface, to: Direction, steps: isize) -> bool {
         (1..=2 * steps.abs()).all(|half| {
             let moved = 0.5 * (half * steps.signum()) as f64 * to.vector();
@@ -232,9 +232,9 @@ impl<'a> Departures<'a> {
         ((length / distance - 1.0).abs() < OFF_LENGTH).then_some(departure * (distance / length))
     }
 
-    /// Gives points without a direction the mean direction of their neighbours. Such points are those at
-    /// which two kinks meet. This is repeated, so that directions spread from point to point. Copies of a
-    /// point get the direction of the first copy.
+    /// Assigns the mean direction of the neighbours to each point without a direction, that is, where two kinks meet.
+    /// The step is repeated, so that directions spread from point to point. Copies of a point get the direction of the
+    /// first copy.
     fn filled(&self, mut found: Vec<Option<DVec2>>, labels: &[u32]) -> Vec<DVec2> {
         let chart = self.surface.chart();
         let mut missing: Vec<usize> =

@@ -1,4 +1,4 @@
-//! Finds the next grid point on the way back from each grid point.
+//! Finds the next grid point on the walk from each grid point back to its source.
 //!
 //! A link leads to an earlier neighbour, so that no walk runs in a circle. Of the earlier neighbours, it is the one
 //! closest to the direction in which the shortest path leaves the point. A point without an earlier neighbour is the
@@ -45,9 +45,9 @@ pub(super) struct Links<'a> {
 /// A neighbour to which a link may lead.
 struct Next {
     link: i8,
-    /// The cosine of the angle between the way back and the edge to the neighbour.
+    /// The cosine of the angle between the back direction and the edge to the neighbour.
     alike: f64,
-    /// Whether the way leads to a source that is at most half as far as the neighbour. The point then stands for the
+    /// Whether the path leads to a source that is at most half as far as the neighbour. The point then stands for the
     /// source.
     is_end: bool,
 }
@@ -108,8 +108,8 @@ impl Links<'_> {
         })
     }
 
-    /// Returns the indices of the points on the way from a point along `links`. Where the way passes a seam, copies of
-    /// a point follow each other.
+    /// Returns the indices of the points that the walk from a point along `links` visits. Where the walk passes a seam,
+    /// it lists two copies of a point in succession.
     pub(super) fn walk(&self, links: &[i8], from: usize) -> Vec<usize> {
         let mut way = vec![from];
         let mut at = from;

@@ -107,7 +107,7 @@ impl LogMap {
         Self::watched(surface, sources, &Monitor::default())
     }
 
-    /// Computes the log map like [`LogMap::new`], until `monitor` cancels it.
+    /// Computes the log map like [`LogMap::new`], unless `monitor` cancels it.
     ///
     /// # Errors
     /// [`LogMapError::Cancelled`] if it was cancelled, and the errors of [`LogMap::new`].
@@ -117,7 +117,7 @@ impl LogMap {
         monitor: &Monitor,
     ) -> Result<Self, LogMapError> {
         let mut starts = Vec::new();
-        // Sources off the surface are refused before anything is asked of the surface there.
+        // Sources off the surface are rejected before the surface is evaluated there.
         sources.seeds(surface)?;
         for (source_index, source) in sources.iter().enumerate() {
             let Source::Point { at, initial } = source else {
@@ -137,8 +137,8 @@ impl LogMap {
         })
     }
 
-    /// Returns the log map without the coordinates of the points that a map of the same grid, `distances`, does not
-    /// reach. With a map within a radius (`geosweep::Options::radius`) the result is the log map of that disc.
+    /// Returns the log map, with coordinates only where `distances`, a map of the same grid, reaches. With a map within
+    /// a radius (`geosweep::Options::radius`) the result is the log map of that disc.
     ///
     /// # Panics
     /// If there are not as many distances as grid points.
@@ -152,9 +152,9 @@ impl LogMap {
         self
     }
 
-    /// Returns the compass bearing in which each point's shortest path leaves its source, row-major, in
-    /// degrees clockwise from north (90 is east, 360 is north). It is 0 at the sources and [`NO_BEARING`]
-    /// where no source reaches. [`super::BackDirections::compass`] says what east and north are.
+    /// Returns the compass bearing in which each point's shortest path leaves its source, row-major, in degrees
+    /// clockwise from north (90 is east, 360 is north). It is 0 at the sources and [`NO_BEARING`] where no source
+    /// reaches. [`super::BackDirections::compass`] defines east and north.
     ///
     /// # Panics
     /// If `surface` has another size than the log map.

@@ -1,5 +1,5 @@
-//! Computes directions from distance maps: the way back at each point, the direction in which paths leave
-//! their source, log maps, and signed distances.
+//! Computes directions from distance maps: back directions, directions in which paths leave their source, log maps, and
+//! signed distances.
 
 mod bearing;
 mod departures;
@@ -31,15 +31,15 @@ pub use nearest::{NO_SOURCE, Nearest};
 pub use signed::{SignError, signed_distances, signed_distances_by_mask};
 use ways::{Way, Ways};
 
-/// The way back at each grid point: the direction in which the shortest path leaves the point, towards its
+/// The back direction at each grid point: the direction in which the shortest path leaves the point, towards its
 /// source.
 ///
 /// It is the direction of the continuous path, which [`PathTracer`] follows, not one of eight directions.
 /// Where several fronts meet, it is the direction of one of the shortest paths.
 ///
-/// On closed surfaces the copies of a point have the same way, each in the rows and columns of its own side. A step
-/// may lead beyond that side. At a pole the rows and columns of the copies have no common plane: the way leaves from
-/// one copy, and the others lead along the pole to it.
+/// On closed surfaces the copies of a point have the same direction, each in the rows and columns of its own side. A
+/// step may lead beyond that side. At a pole the rows and columns of the copies have no common plane: the path leaves
+/// from one copy, and the directions at the others lead along the pole to it.
 ///
 /// ```
 /// use geosweep::geometry::BackDirections;
@@ -67,21 +67,21 @@ pub struct BackDirections<'a> {
     copies: Copies,
     /// The arrival times in a bordered array.
     times: Vec<f32>,
-    /// The way back at each point, row-major.
+    /// The back direction at each point, row-major.
     ways: Vec<Way>,
-    /// The way back in space at the points of poles, by their indices.
+    /// The back directions in space at the points of poles, by the points' indices.
     at_poles: HashMap<usize, DVec3>,
 }
 
 impl<'a> BackDirections<'a> {
-    /// Finds the way back at each point. `distances` is the converged map of these sources on this surface, of
+    /// Finds the back direction at each point. `distances` is the converged map of these sources on this surface, of
     /// any engine, row-major, as in [`geosweep_surface::DistanceMap::distances`]. `edges` are the edge lengths of
     /// `surface`.
     ///
     /// # Errors
-    /// If a source lies off the surface, or the number of distances or edges differs from the number of grid
-    /// points. Also if runs of points ([`geosweep_surface::Gluing::Runs`]) are
-    /// glued on a surface of heights or a metric, since directions beyond such a seam are not known.
+    /// If a source lies off the surface, or the number of distances or edges differs from the number of grid points. It
+    /// is also an error if runs of points ([`geosweep_surface::Gluing::Runs`]) are glued on a surface of heights or a
+    /// metric, since directions beyond such a seam are not known.
     pub fn new(
         surface: &'a Surface,
         edges: &'a EdgeLengths<f32>,
@@ -96,8 +96,8 @@ impl<'a> BackDirections<'a> {
         Ok(Self { surface, paths, copies, times, ways, at_poles })
     }
 
-    /// Returns the way back in the chart, row-major: the change of row and column of a step of length 1 in
-    /// grid steps. It is 0, 0 at the sources and NaN where no source reaches.
+    /// Returns the back direction in the chart, row-major: the change of row and column of a step of length 1 in grid
+    /// steps. It is 0, 0 at the sources and NaN where no source reaches.
     ///
     /// Such a step does not have the length 1 on the surface. For the direction on the surface, take [`Self::in_space`]
     /// or the bearings.
@@ -105,7 +105,7 @@ impl<'a> BackDirections<'a> {
         self.each([f32::NAN; 2], [0.0; 2], |_, step| step.normalize().as_vec2().to_array())
     }
 
-    /// Returns the way back as a unit vector in space, tangent to the surface, row-major. It is 0, 0, 0 at the
+    /// Returns the back direction as a unit vector in space, tangent to the surface, row-major. It is 0, 0, 0 at the
     /// sources and NaN where no source reaches. Returns `None` if the surface is given by its metric.
     pub fn in_space(&self) -> Option<Vec<[f32; 3]>> {
         self.surface.geometry().has_positions().then(|| {
@@ -119,9 +119,9 @@ impl<'a> BackDirections<'a> {
         })
     }
 
-    /// Returns the compass bearing of the way back, row-major, in degrees clockwise from north: 90 is east, 180
-    /// south, 270 west and 360 north. It is 0 at the sources and [`NO_BEARING`] where no source reaches. These
-    /// are the values of back directions in ArcGIS.
+    /// Returns the compass bearing of the back direction, row-major, in degrees clockwise from north: 90 is east, 180
+    /// south, 270 west and 360 north. It is 0 at the sources and [`NO_BEARING`] where no source reaches. These are the
+    /// values of back directions in ArcGIS.
     ///
     /// Over heights, columns increase to the east and rows to the south, and bearings are those of the map seen from
     /// above. Over positions and metrics, east is the direction of increasing columns on the surface, and north is at a
@@ -130,9 +130,9 @@ impl<'a> BackDirections<'a> {
         self.bearings(compass)
     }
 
-    /// Returns the bearing of the way back in degrees counter-clockwise from east, row-major: 90 is north, 180
-    /// west, 270 south and 360 east. It is 0 at the sources and [`NO_BEARING`] where no source reaches. These
-    /// are the directions that `r.path` of GRASS follows.
+    /// Returns the bearing of the back direction in degrees counter-clockwise from east, row-major: 90 is north, 180
+    /// west, 270 south and 360 east. It is 0 at the sources and [`NO_BEARING`] where no source reaches. These are the
+    /// directions that `r.path` of GRASS follows.
     pub fn grass(&self) -> Vec<f32> {
         self.bearings(grass)
     }
@@ -145,14 +145,14 @@ impl<'a> BackDirections<'a> {
         })
     }
 
-    /// Returns the code of the next grid point on the way back, row-major: 1 is the neighbour to the east, 2 to
-    /// the south-east, 3 to the south, and so on clockwise up to 8, the north-east. It is 0 at a source, and
-    /// [`NO_LINK`] where no source reaches. These are the codes of back links in ArcGIS.
+    /// Returns the code of the next grid point towards the source, row-major: 1 is the neighbour to the east, 2 to the
+    /// south-east, 3 to the south, and so on clockwise up to 8, the north-east. It is 0 at a source, and [`NO_LINK`]
+    /// where no source reaches. These are the codes of back links in ArcGIS.
     ///
-    /// Each link leads to an earlier neighbour, the one closest to the direction of the way back. So a walk
-    /// along links arrives at a source from every point, on a longer way than the shortest path. The points of
-    /// a pole, which coincide, are the exception: walks leave them over equally early points. Walks to a source between
-    /// grid points end at those grid points beside it that have no earlier neighbour.
+    /// Each link leads to the earlier neighbour that is closest to the back direction. So a walk along links arrives at
+    /// a source from every point, on a longer path than the shortest one. The points of a pole, which coincide, are the
+    /// exception: walks leave them over equally early points. Walks to a source between grid points end at those grid
+    /// points beside it that have no earlier neighbour.
     ///
     /// On closed surfaces the copies of a point have one link. It leads from the copy whose neighbour in this
     /// direction is the earliest; [`Self::walk`] follows it.
@@ -161,10 +161,10 @@ impl<'a> BackDirections<'a> {
         self.grid().find(&self.ways, is_beside_source)
     }
 
-    /// Returns the grid points on the way from a grid point along the `links` of [`Self::links`]: their indices,
-    /// row-major, from the point `from` to the end. The result is this point alone if it is a source or not reached.
+    /// Returns the row-major indices of the grid points on the walk along the `links` of [`Self::links`], from the
+    /// point `from` to the end. The result is `from` alone if it is a source or not reached.
     ///
-    /// Where the way passes a seam of a closed surface, two copies of a point follow each other.
+    /// Where the walk passes a seam of a closed surface, it lists two copies of a point in succession.
     ///
     /// # Panics
     /// If there are not as many links as grid points, or `from` is not the index of a grid point.
@@ -178,7 +178,7 @@ impl<'a> BackDirections<'a> {
     }
 
     /// Returns a value for each grid point: `unreached` if no source reaches the point, `at_source` at a source, and
-    /// else `of` the point's index and its way.
+    /// otherwise the result of `of` for the point's index and direction.
     fn each<T: Copy + Send + Sync>(
         &self,
         unreached: T,

@@ -30,7 +30,7 @@ impl Nearest {
     /// these sources on this surface, row-major. `edges` are the edge lengths of `surface`.
     ///
     /// The sources are the labels of [`Voronoi`]. For a point source, the place is the source itself. For a curve, the
-    /// path of each point of its region is traced, which takes time in proportion to the length of the path.
+    /// path of each point of its region is traced, in time proportional to the path's length.
     ///
     /// # Errors
     /// If a source lies off the surface, or the number of distances differs from the number of grid points.

@@ -1,8 +1,8 @@
 //! Gives distances from closed curves a sign: positive outside.
 //!
-//! The inside is where the curves wind around a point. The winding number is computed in the chart: along a
-//! row it changes where a curve crosses the row. Curves on a glued surface may pass seams, and need not surround
-//! anything in the chart. There a point lies inside if its way meets the left side of the nearest curve.
+//! The inside is where the curves wind around a point. The winding number is computed in the chart: along a row it
+//! changes where a curve crosses the row. Curves on a glued surface may pass seams, and need not surround anything in
+//! the chart. There a point lies inside if its shortest path meets the left side of the nearest curve.
 
 use glam::DVec2;
 use rayon::prelude::*;
@@ -167,7 +167,7 @@ fn surrounded(chart: Chart, curves: &[&[DVec2]]) -> Result<Vec<bool>, SignError>
     Ok(inside.collect())
 }
 
-/// Returns whether the way of each point of a glued surface meets the left side of the nearest curve.
+/// Returns whether the shortest path of each point of a glued surface meets the left side of the nearest curve.
 fn left_of_curves<R: Real>(
     surface: &Surface,
     sources: &Sources,
@@ -210,8 +210,8 @@ fn signed<R: Real>(distances: &[R], inside: &[bool]) -> Vec<R> {
     distances.iter().zip(inside).map(sign).collect()
 }
 
-/// Returns where a curve crosses the line just below a row, and by how much the winding number changes there
-/// from left to right: by 1 where the curve runs downwards.
+/// Returns the crossings of a curve with the line just below a row, and the changes of the winding number there from
+/// left to right: 1 where the curve runs downwards.
 fn crossings(curve: &[DVec2], row: f64) -> impl Iterator<Item = (f64, i32)> {
     curve.windows(2).filter_map(move |ends| {
         let [a, b] = [ends[0], ends[1]];

@@ -113,7 +113,7 @@ impl Stencil {
         around.iter().map(term).sum()
     }
 
-    /// Returns the derivative from 0 and the samples on one side.
+    /// Returns the derivative at 0 from the samples at 0 and on one side.
     fn on_side(&self, side: isize) -> Option<f64> {
         let [first, second, third] = [side, 2 * side, 3 * side];
         if [0, first, second].iter().any(|&k| self.at(k).is_none()) {

@@ -21,7 +21,7 @@ use crate::order::by_arrival;
 use crate::paths::{FirstLine, LineEnd, PathTracer};
 use geosweep_surface::{Direction, Real, Sources, Surface};
 
-/// The way back from one grid point.
+/// The back direction of one grid point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Way {
     Unreached,
@@ -54,8 +54,8 @@ pub(super) struct Ways<'a> {
 }
 
 impl Ways<'_> {
-    /// Returns the way back at each grid point, row-major. For points of poles, it also returns the way as a direction
-    /// in space, by the row-major index of the point.
+    /// Returns the back direction at each grid point, row-major. For points of poles, also returns the direction in
+    /// space, by the row-major index of the point.
     pub(super) fn find(&self) -> (Vec<Way>, HashMap<usize, DVec3>) {
         let chart = self.surface.chart();
         let start = self.sources.start();
@@ -107,9 +107,10 @@ impl Ways<'_> {
         (ways, at_poles)
     }
 
-    /// Returns the way back in space at a pole, where rows and columns have no common plane. It is the direction of
-    /// steepest descent that fits the squared times since `zero_time` on the lines that meet there, or the direction of
-    /// the path's first line if the two disagree. Returns `None` at other points, and where the way is not known.
+    /// Returns the back direction in space at a pole, where rows and columns have no common plane. It is the direction
+    /// of steepest descent that fits the squared times since `zero_time` on the lines that meet there, or the direction
+    /// of the path's first line if the two disagree. Returns `None` at other points, and where the direction is not
+    /// known.
     fn at_pole(&self, group: &[u32], from: usize, way: Way, zero_time: f64) -> Option<DVec3> {
         let Way::Along { step, .. } = way else { return None };
         if self.frame(from).basis().is_some() {
@@ -163,11 +164,11 @@ impl Ways<'_> {
         2.0 * (time - zero_time) * time.abs() * f64::from(f32::EPSILON)
     }
 
-    /// Returns the way back at a copy of the point `from`. The way at `from` is `way`.
+    /// Returns the back direction at a copy of the point `from`. The direction at `from` is `way`.
     ///
-    /// Where the grid goes on over a seam, the step is converted to the rows and columns at the copy. Elsewhere the way
-    /// has the same direction in space at both copies. At a pole the way leaves from one copy only, and the other
-    /// copies lead along the pole to that copy.
+    /// Where the grid goes on over a seam, the step is converted to the rows and columns at the copy. Elsewhere the
+    /// direction in space is the same at both copies. At a pole the path leaves from one copy only, and the directions
+    /// at the other copies lead along the pole to that copy.
     fn at_copy(&self, from: usize, copy: usize, way: Way) -> Way {
         let Way::Along { step, to_source } = way else { return way };
         if from == copy {
@@ -205,7 +206,7 @@ impl Ways<'_> {
         Frame::at_point(self.surface, row, col)
     }
 
-    /// Returns for each grid point when its front started: at its source, or at the last corner around which
+    /// Returns the start time of each grid point's front: the time at its source, or at the last corner around which
     /// its path bends. Returns `None` if all fronts started at `start`.
     fn zero_times(&self, lines: &[Option<FirstLine>], start: f64) -> Option<Vec<f64>> {
         let chart = self.surface.chart();
@@ -249,7 +250,7 @@ impl Ways<'_> {
         after != DVec2::ZERO && self.frame(corner).cosine(before, after) < BENT
     }
 
-    /// Returns the way back from a point, and the copy of the point from which the way leaves.
+    /// Returns the back direction of a point, and the copy of the point from which the path leaves.
     fn way(&self, point: usize, line: Option<FirstLine>, zero_time: f64) -> (usize, Way) {
         let chart = self.surface.chart();
         let Some(FirstLine { from, to, end }) = line else {

@@ -90,7 +90,7 @@ impl<'a> Sides<'a> {
                 };
                 // If several curves are near, the curve whose wavefront reaches this point first is taken.
                 let late = f64::from(self.times[point]) - initial - nearest.distance;
-                // Whether the map's wavefront came here from another curve or around an obstacle.
+                // True if the map's wavefront came here from another curve or around an obstacle.
                 let other =
                     !(-0.1..0.3).contains(&(late / nearest.distance.max(f64::MIN_POSITIVE)));
                 if !is_seed && other {
@@ -211,7 +211,8 @@ impl<'a> Sides<'a> {
         })
     }
 
-    /// Returns on which side of the nearest curve a point lies, or `None` if it is not reached or lies on the curve.
+    /// Returns whether a point lies to the left of the nearest curve, or `None` if it is not reached or lies on the
+    /// curve.
     fn is_left(&self, point: usize) -> Option<bool> {
         let angle = self.angles[point];
         (!angle.is_nan() && angle.y != 0.0).then_some(angle.y > 0.0)

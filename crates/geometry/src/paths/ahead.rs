@@ -15,8 +15,8 @@ use geosweep_surface::lanes::{Instructions, Loop};
 /// precision, so that one half computes while the other waits for square roots.
 pub(super) const LANES: usize = 16;
 
-/// A path whose way across a cell is shorter than this fraction of its heading leaves the cell over the edge
-/// by which it entered.
+/// A path whose line across a cell is shorter than this fraction of its heading leaves the cell over the edge by which
+/// it entered.
 const LEAVES_AT_ONCE: f64 = 1e-9;
 
 /// A straight line across a cell.
@@ -117,7 +117,7 @@ impl Ahead {
     }
 }
 
-/// Straight lines in grid coordinates, and where they leave their cells.
+/// Straight lines in grid coordinates, and the places at which they leave their cells.
 #[derive(Default)]
 struct Headings {
     /// The row and column within the cell.
@@ -128,7 +128,7 @@ struct Headings {
     /// fraction from its first corner.
     side: [u64; LANES],
     near: Lanes,
-    /// Whether the line leaves the cell at another place than the one at which it entered.
+    /// Whether the line leaves the cell elsewhere than it entered.
     leaves: [bool; LANES],
 }
 

@@ -25,8 +25,7 @@ use geosweep_surface::Stop;
 use geosweep_surface::update::Wavefront;
 use geosweep_surface::{Block, EdgeLengths, Seed, Sources};
 
-/// The relative excess over the map's value up to which a path is left as it is: a quarter of the accepted
-/// error.
+/// The relative excess over the map's value up to which a path is accepted: a quarter of the tolerated error.
 const TOO_LONG: f64 = 5e-4;
 /// The extent of the map around a start, in cells.
 const REACH: usize = 16;

@@ -112,8 +112,8 @@ impl EdgeTimes {
     /// it minimises the sum of arrival time and distance. `ends` are the squared distances of the edge's ends
     /// from the place.
     ///
-    /// The method is Newton's, kept between brackets. The sum is convex except where wavefronts meet, and
-    /// there the better end of the edge is good enough.
+    /// The method is Newton's, with bracketing. The sum is convex except where wavefronts meet, and there the better
+    /// end of the edge is good enough.
     pub(super) fn crossing(&self, ends: [f64; 2]) -> Crossing {
         let (low, high) = (self.sum(0.0, ends), self.sum(1.0, ends));
         let share = if low.slope() < 0.0 && high.slope() > 0.0 {

@@ -1,11 +1,10 @@
 //! Traces geodesic paths: shortest paths from any place back to the source (paper, section 6.3).
 //!
-//! A path follows the direction of steepest descent of the arrival time, -G^-1 grad t (eq. 21). Gradients
-//! from finite differences mix both sides where wavefronts meet, and are wrong near a source or a corner of a
-//! hole. So each step solves the problem behind the gradient, as the solvers do. Among all straight lines
-//! across the cell, measured in the cell's own lengths, it takes the line on which the wavefront arrives
-//! first (the Hopf-Lax form of eq. 5). Arrival times along the cell's sides come from cubics through the
-//! squares of the map's values.
+//! A path follows the direction of steepest descent of the arrival time, -G^-1 grad t (eq. 21). Gradients from finite
+//! differences mix both sides where wavefronts meet, and are wrong near a source or a corner of a hole. So each step
+//! solves a minimisation in place of the gradient, as the solvers do. Among all straight lines across the cell,
+//! measured in the cell's own lengths, it takes the line on which the wavefront arrives first (the Hopf-Lax form of eq.
+//! 5). Arrival times along the cell's sides come from cubics through the squares of the map's values.
 //!
 //! Steps are as long as the cells, which bounds their error to second order. A line ends at a grid point
 //! where the path bends around the corner of a hole, and at the source if the source lies in the cell. Most
@@ -140,9 +139,8 @@ const TOGETHER: usize = 64;
 
 /// A distance map, prepared for tracing paths.
 ///
-/// All paths that reach the same corner of a hole are identical from there on. This part is traced for the
-/// first path and kept for other paths of this call and of later calls. It takes 16 bytes for each cell up to
-/// the next corner.
+/// All paths that reach the same corner of a hole are identical from there on. This part is traced once and stored for
+/// other paths of this call and of later calls. It takes 16 bytes for each cell up to the next corner.
 ///
 /// ```
 /// use geosweep::geometry::PathTracer;
@@ -219,7 +217,7 @@ impl<'a> PathTracer<'a> {
     #[must_use]
     pub fn along_the_map(mut self) -> Self {
         self.tracer.shortens = false;
-        // The paths kept so far are taut.
+        // The parts stored so far are taut.
         self.tracer.shared_parts = SharedParts::default();
         self
     }

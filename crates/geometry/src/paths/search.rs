@@ -212,8 +212,8 @@ impl Tracer<'_> {
                 let crossing = if is_beside { times.foot(ends) } else { times.crossing(ends) };
                 let end = usize::from(crossing.share > 0.5);
                 let away = (crossing.share - end as f64).abs();
-                // The end of a line is not moved to a nearby grid point that is later than the start of the
-                // line, or lies aside from the way of a line that is short itself.
+                // The end of a line is not moved to a nearby grid point that is later than the start of the line, or
+                // lies beside the course of a line that is itself short.
                 let (time, length) = (self.time(points[end]), ends[end].max(0.0).sqrt());
                 let leads_on = || time < below && falls(time, length, below);
                 if away == 0.0 || away < AT_POINT && leads_on() {
@@ -224,7 +224,7 @@ impl Tracer<'_> {
                 }
                 continue;
             }
-            // Where there is no triangle, paths run along edges.
+            // Without a triangle, paths run along edges.
             for (end, corner) in side.into_iter().enumerate() {
                 let along = support == 1 || weights[corner] > 0.0 || support > 2;
                 if reached[corner] && along && ends[end] < NO_EDGE {

@@ -1,9 +1,9 @@
 //! Shares the parts that paths have in common. All paths that reach the corner of a hole are identical from
 //! there on.
 //!
-//! Around holes many paths bend at few corners, and on winding paths most of a path is shared with the
-//! others. So a path is followed to the first corner that it reaches. The part after the corner is traced and
-//! pulled taut once, from corner to corner down to the source, and kept.
+//! Around holes many paths bend at few corners, and on winding paths most of a path is shared with the others. So a
+//! path is followed to the first corner that it reaches. The part after the corner is traced and pulled taut once, from
+//! corner to corner down to the source, and stored.
 
 use std::collections::{BTreeSet, HashMap};
 use std::sync::Arc;
@@ -60,7 +60,7 @@ impl Tracer<'_> {
             .collect()
     }
 
-    /// Traces and keeps the paths from the given corners.
+    /// Traces and stores the paths from the given corners.
     fn trace_shared_parts(&self, mut keys: BTreeSet<Key>) {
         let mut heads = HashMap::new();
         loop {
@@ -74,7 +74,7 @@ impl Tracer<'_> {
             keys = keys.iter().filter_map(|key| corner((&heads[key], key.zero_time()))).collect();
         }
         let mut heads: Vec<_> = heads.into_iter().collect();
-        // Arrival times decrease from corner to corner, so each path's rest is kept before the path needs it.
+        // Arrival times decrease from corner to corner, so the rest of each path is stored before the path needs it.
         heads.sort_by(|(a, _), (b, _)| self.time(a.corner).total_cmp(&self.time(b.corner)));
         for (key, head) in heads {
             let linked = head.and_then(|head| self.link(head, key.zero_time()));
@@ -82,7 +82,7 @@ impl Tracer<'_> {
         }
     }
 
-    /// Completes a path from its head. The path from the corner at which the head ends must have been kept.
+    /// Completes a path from its head. The path from the corner at which the head ends must be stored already.
     fn link(&self, head: Head, zero_time: f64) -> Result<LinkedPath, Stuck> {
         let Head { vertices, time, length, end } = head;
         let linked = match end {

@@ -103,7 +103,7 @@ impl Walk {
         if is_lost { Err(Stuck(tracer.at(self.place))) } else { Ok(()) }
     }
 
-    /// Advances by one line, found by a search. Returns where the tracing ends, if it does.
+    /// Advances by one line, found by a search. Returns the end of the tracing, if it is reached.
     fn go_on(&mut self, tracer: &Tracer) -> Result<Option<HeadEnd>, Stuck> {
         self.count(tracer)?;
         if let Place::Point(point) = self.place {
@@ -158,7 +158,7 @@ impl Walk {
         };
     }
 
-    /// Leaves a place from which no line descends.
+    /// Leaves a place from which no line descends, on a path along edges.
     fn detour(&mut self, tracer: &Tracer) -> Result<(), Stuck> {
         let (vertices, lengths) = (&mut self.vertices, &mut self.lengths);
         let stuck = || Stuck(tracer.at(self.place));

@@ -2,7 +2,7 @@
 //!
 //! All triangles around a point, or around all copies of it, form a fan: each lies beside the next one along a common
 //! edge. Angles are measured in the fan, beginning at the ray that arrives first. They need no rows and columns, so
-//! poles, folds and seams between charts are like any other place.
+//! poles, folds and seams between charts are no special cases.
 
 use std::f64::consts::{PI, TAU};
 
@@ -73,7 +73,7 @@ impl Fans {
         let ([from, to], third) = (ends.map(|end| copies.first(end)), copies.first(third));
         let [at_from, at_to] = [(from, to), (to, from)]
             .map(|(point, other)| self.0[point].bearing(other as u32, third as u32));
-        // A wavefront goes away from where its ray comes from.
+        // A wavefront moves in the direction opposite to the one from which its ray comes.
         let [back, ahead] = [at_from?, at_to?].map(DVec2::from_angle);
         let directions = [-back, DVec2::new(ahead.x, -ahead.y)];
         Some(AtEnds { directions, metric: DMat2::IDENTITY, step: DVec2::new(length, 0.0) })
@@ -150,8 +150,8 @@ impl Sector {
     }
 }
 
-/// Returns the triangles around a point and its copies. Triangles that several copies have, as at a pole, are listed
-/// once, and triangles without an area not at all.
+/// Returns the triangles around a point and its copies. Triangles that several copies share, as at a pole, are listed
+/// once. Triangles without an area are left out.
 fn sectors(neighbourhood: &Neighbourhood, copies: &Copies, point: usize) -> Vec<Sector> {
     let mut sectors: Vec<Sector> = Vec::with_capacity(8);
     for copy in copies.all(point) {

@@ -18,6 +18,6 @@ pub(super) struct AtEnds {
     pub directions: [DVec2; 2],
     /// The metric of the plane.
     pub metric: DMat2,
-    /// The way from the first end to the last one.
+    /// The vector from the first end to the last one.
     pub step: DVec2,
 }

@@ -126,7 +126,7 @@ fn places(found: &[Segment]) -> Places {
     places
 }
 
-/// Returns the ridge along a way, given by its nodes.
+/// Returns the ridge along a polyline, given by its nodes.
 fn ridge(chart: Chart, way: &[u64], angles: &BTreeMap<u64, f64>, places: &Places) -> Ridge {
     let closed = way.len() > 3 && way[0] == way[way.len() - 1];
     let (first, last) = (way[usize::from(closed)], way[way.len() - 1]);

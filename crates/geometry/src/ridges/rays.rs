@@ -93,7 +93,7 @@ impl<'a> ArrivingRays<'a> {
         self.neighbourhood.first_ray(point, &since)
     }
 
-    /// Returns how the first wavefront arrives at a point.
+    /// Returns the first arrival at a point.
     fn ray(&self, point: usize) -> Ray {
         let Some((_, to, share)) = self.first_ray(point) else {
             return Ray::default();

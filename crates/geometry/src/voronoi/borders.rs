@@ -182,8 +182,8 @@ impl Mixed<'_, '_> {
         vec![Segment { key: [a.min(b), a.max(b)], from, to }]
     }
 
-    /// Returns the place where three wavefronts arrive at once. The differences of their squared times are
-    /// linear between the corners, and extrapolated beyond them.
+    /// Returns the place where three wavefronts arrive at once. The differences of their squared times are interpolated
+    /// linearly between the corners, and extrapolated beyond them.
     fn junction(&self) -> Junction {
         let weights = self.junction_weights();
         let outside: Vec<usize> = (0..3).filter(|&k| weights[k] < 0.0).collect();

@@ -1,5 +1,5 @@
-//! Propagates the wavefronts of sources from point to point: computes when a wavefront arrives at a point
-//! from its arrival times at the neighbours.
+//! Propagates the wavefronts of sources from point to point: computes the arrival time at a point from those at its
+//! neighbours.
 
 use crate::neighbourhood::Neighbourhood;
 use geosweep_cpu::Visited;
@@ -38,8 +38,8 @@ impl<'a> Continuation<'a> {
         }
     }
 
-    /// Returns when a wavefront arrives at a point from its neighbours. `since` holds the times since its
-    /// start at the neighbours, and `lengths` the lengths of the edges to them.
+    /// Returns the arrival time of a wavefront at a point, from its neighbours. `since` holds the times since its start
+    /// at the neighbours, and `lengths` the lengths of the edges to them.
     pub(super) fn arrival(
         &self,
         point: usize,
@@ -73,8 +73,8 @@ impl<'a> Continuation<'a> {
         self.origins[label as usize].initial + first
     }
 
-    /// Returns when a wavefront arrives at a point through the two triangles on either side of one of its
-    /// edges. Returns `None` if a cheap bound shows that it does not arrive before `now`.
+    /// Returns the arrival time of a wavefront at a point through the two triangles on either side of one of its edges.
+    /// Returns `None` if a cheap bound shows that it does not arrive before `now`.
     ///
     /// `since` holds the times since the wavefront's start at the neighbours. Only three of them are used: at
     /// the end of the edge and on either side of it.
@@ -119,7 +119,7 @@ impl<'a> Continuation<'a> {
         Triangle { t1, t2, l1, l2, c: self.neighbourhood.base(point, first) }
     }
 
-    /// Returns the time since a wavefront's start at which it arrives through a triangle.
+    /// Returns the arrival time of a wavefront through a triangle, counted from the wavefront's start.
     #[inline(always)]
     fn through(&self, label: u32, triangle: Triangle<f64>) -> f64 {
         let Triangle { t1, t2, l1, l2, .. } = triangle;

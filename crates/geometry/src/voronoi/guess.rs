@@ -2,7 +2,7 @@
 //!
 //! A point takes the label of the earliest of its neighbours. The label is right if all earlier neighbours have it, and
 //! all earlier neighbours of these, and so on. This holds except near sources and near borders between regions. Only
-//! there the wavefront of each source is followed on its own.
+//! there is the wavefront of each source propagated separately.
 
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 

@@ -1,4 +1,4 @@
-//! Stores which wavefronts are known at each point, and when they arrive there.
+//! Stores the wavefronts known at each point, with their arrival times.
 
 use crate::copies::Copies;
 use geosweep_surface::Real;
@@ -86,7 +86,7 @@ impl KnownFronts {
         self.labels[self.copies.first(point)] = label;
     }
 
-    /// Returns when a wavefront arrives at a point, or [`Real::FAR`] if that is not known.
+    /// Returns the arrival time of a wavefront at a point, or [`Real::FAR`] if it is not known.
     pub(super) fn time(&self, point: usize, label: u32) -> f64 {
         let here = self.at(point).find(|(other, _)| *other == label);
         here.map_or(f64::FAR, |(_, time)| time)

@@ -109,7 +109,7 @@ impl Voronoi {
     pub fn areas(&self, surface: &Surface) -> Vec<f64> {
         assert_eq!(surface.chart().points(), self.labels.len(), "the surface has another size");
         let inside = |index: usize| self.labels[index] != NO_REGION;
-        // A row has few of many regions.
+        // A row of cells meets only a few of the regions.
         let of_row = |row: usize| {
             let mut areas = BTreeMap::<u32, f64>::new();
             for (points, area) in of_triangles(surface, row, inside) {

@@ -1,4 +1,4 @@
-//! Determines which source's wavefront reaches a point first, and when the following ones arrive.
+//! Determines the source whose wavefront reaches a point first, and the arrival times of later wavefronts.
 //!
 //! Labels copied from neighbour to neighbour drift along the grid's directions where a border runs almost
 //! parallel to the characteristics, as behind a close pair of sources. The converged map itself mixes both
@@ -167,7 +167,7 @@ impl<'a> SourceFronts<'a> {
         self.arrive(point, &mut found, &lengths);
         self.settle(point, &mut found);
         for front in &found {
-            // Neighbours that already know of a wavefront when it arrives here need not be told.
+            // Neighbours that the wavefront has reached before it arrives here need no notice of it.
             let since = self.continuation.since(front.label, front.time);
             if front.known != visited || since < front.last {
                 self.news.push((point as u32, front.label));
@@ -208,14 +208,14 @@ impl<'a> SourceFronts<'a> {
         self.known.copies().all(point).map(longest).fold(0.0, max)
     }
 
-    /// Computes when candidates arrive at a point.
+    /// Computes the arrival times of candidates at a point.
     fn arrive(&self, point: usize, found: &mut [Candidate], lengths: &[f64; 8]) {
         for Candidate { label, since, time, .. } in found {
             *time = min(*time, self.continuation.arrival(point, *label, since, lengths));
         }
     }
 
-    /// Keeps the candidates that count at a point, and makes them known.
+    /// Removes the candidates that arrive too late to count at a point, and stores the others.
     fn settle(&mut self, point: usize, found: &mut Vec<Candidate>) {
         if found.len() > 1 {
             let first = found.iter().map(|candidate| candidate.time).fold(f64::FAR, min);
@@ -234,7 +234,7 @@ impl<'a> SourceFronts<'a> {
         }
     }
 
-    /// Passes all news on.
+    /// Passes all new arrivals on to the neighbours.
     fn tell_all(&mut self) {
         while let Some((point, label)) = self.news.pop() {
             let (mut copies, point) = (0, point as usize);
@@ -245,9 +245,8 @@ impl<'a> SourceFronts<'a> {
         }
     }
 
-    /// Returns all wavefronts that reach a point's neighbours or start beside it. Also returns which
-    /// neighbours have any, and whether each of these neighbours has a single wavefront and none starts at
-    /// the point.
+    /// Returns all wavefronts that reach a point's neighbours or start beside it. Also returns the neighbours that have
+    /// any, and whether each of them has a single wavefront and none starts at the point.
     fn candidates(&mut self, point: usize, lengths: &[f64; 8]) -> (Vec<Candidate>, u8, bool) {
         let mut found = std::mem::take(&mut self.room);
         found.clear();
@@ -342,8 +341,8 @@ impl<'a> SourceFronts<'a> {
         (time < f64::FAR).then(|| self.square(time))
     }
 
-    /// Returns where on the edge between two points of different regions both wavefronts arrive at once, from
-    /// the first point (0) to the second (1).
+    /// Returns the position at which both wavefronts arrive at once on the edge between two points of different
+    /// regions, from the first point (0) to the second (1).
     pub(super) fn meeting(&self, points: [usize; 2], labels: [u32; 2]) -> f64 {
         match points.map(|point| self.lead(point, labels)) {
             [Some(here), Some(there)] if here > there => (here / (here - there)).clamp(0.0, 1.0),
@@ -387,7 +386,7 @@ mod tests {
     use geosweep_surface::Stop;
     use geosweep_surface::update::Wavefront;
 
-    /// Whether points are skipped or not, all fronts are the same.
+    /// All fronts are the same, whether points are skipped or not.
     #[test]
     fn points_that_are_not_visited_are_guessed_right() {
         let (rows, cols) = (60, 75);
