@@ -1,5 +1,4 @@
-//! Chooses the engine of a map where the caller leaves the choice to the crate. No other module makes this
-//! choice.
+//! Chooses the engine of a map if the caller leaves the choice to the crate. Only this module does so.
 
 use crate::surface::Chart;
 use crate::update::Wavefront;

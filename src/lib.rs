@@ -24,10 +24,9 @@
 //! # Ok::<(), geosweep::Error>(())
 //! ```
 //!
-//! [`geometry`] makes contours, shortest paths, Voronoi regions and offset curves of a map, [`pairwise`]
-//! computes the distances between all pairs of points, and [`estimate_error`] an error for each distance. A
-//! program that computes many maps of one surface keeps a [`cpu::RotatedScan`] or a
-//! [`vulkan::HeadlessSolver`].
+//! [`geometry`] makes contours, shortest paths, Voronoi regions and offset curves of a map, [`pairwise`] computes the
+//! distances between all pairs of points, and [`estimate_error`] an error for each distance. A program that computes
+//! many maps of one surface reuses a [`cpu::RotatedScan`] or a [`vulkan::HeadlessSolver`].
 //!
 //! # A map in a renderer's frame
 //!

@@ -35,8 +35,8 @@ pub struct Options {
     /// [`Schedule::best_on`] the device. The CPU engines have one order each.
     #[cfg(feature = "vulkan")]
     pub schedule: Option<Schedule>,
-    /// Relative change below which iterations stop: no arrival time fell by more than this fraction in an
-    /// iteration. With `None` it is [`crate::DEFAULT_TOLERANCE`], or [`crate::DEFAULT_TOLERANCE_F64`] in double precision.
+    /// Relative change below which iterations stop: no arrival time fell by more than this fraction in an iteration.
+    /// With `None` it is [`crate::DEFAULT_TOLERANCE`], or [`crate::DEFAULT_TOLERANCE_F64`] in double precision.
     pub tolerance: Option<f64>,
     /// Maximum number of iterations of four scans. With `None` it is ten for each row and column, more than
     /// any surface but a labyrinth needs.

@@ -128,8 +128,8 @@ fn only_single(what: &str) -> Error {
     ))
 }
 
-/// Maximum number of values per point that a map holds in memory, including edges and result. In single
-/// precision these are 40 bytes (`tests/memory/resident.rs`) and the 4 bytes of the result.
+/// Peak number of values per grid point in memory, including edges and result. In single precision these are 40 bytes
+/// (`tests/memory/resident.rs`) and the 4 bytes of the result.
 const NUMBERS_OF_POINT: usize = 11;
 
 /// Returns an error if the memory for a map is not available. The engines themselves would end the process in

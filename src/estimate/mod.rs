@@ -250,8 +250,8 @@ impl<R: Precision> Level<R> {
         (sum1 > 0.0 && sum2 > 0.0).then(|| f64::log2(sum2 / sum1))
     }
 
-    /// Converts the errors at this grid's points to estimates for the finer grid, multiplied by `caution`.
-    /// Also returns the finer grid's distances less the errors.
+    /// Converts the errors at this grid's points to estimates for the finer grid, multiplied by `caution`. Also returns
+    /// the finer grid's distances minus the errors.
     fn on_the_fine_grid(
         &self,
         errors: &[f64],

@@ -1,10 +1,9 @@
-//! Chooses where the tool keeps compiled pipelines of Vulkan drivers, so that the next call starts without
-//! delay.
+//! Chooses where the tool stores compiled pipelines of Vulkan drivers, so that the next call starts without delay.
 
 use etcetera::BaseStrategy;
 use geosweep::vulkan;
 
-/// Makes Vulkan solvers keep their pipelines in the user's cache folder.
+/// Makes Vulkan solvers store their pipelines in the user's cache folder.
 pub fn keep() {
     let user = etcetera::choose_base_strategy().ok();
     vulkan::keep_pipelines_in(user.map(|user| user.cache_dir().join("geosweep")));

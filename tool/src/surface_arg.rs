@@ -18,7 +18,7 @@ pub enum SurfaceArg {
 }
 
 impl SurfaceArg {
-    /// Parses an argument. Only built-in names must be valid text; a file name may be arbitrary.
+    /// Parses an argument. Only built-in names must be valid UTF-8; a file name may have any bytes.
     pub fn parse(arg: OsString) -> Result<Self, String> {
         match arg.to_str() {
             Some(text) if text.starts_with(SizedBuiltin::PREFIX) => text.parse().map(Self::Builtin),

@@ -7,9 +7,9 @@ use glam::DVec2;
 use super::Curve;
 use geosweep_surface::Surface;
 
-/// The distance, in cells, up to which ends of curves on two sides of a seam are the same place. The crossings of a level
-/// are computed from values on both sides that may differ by rounding. On grids of 10,000 points a side, rounding moves
-/// them by a thousandth of a cell.
+/// The distance, in cells, up to which ends of curves on two sides of a seam are the same place. The crossings of a
+/// level are computed from values on both sides that may differ by rounding. On grids of 10,000 points a side, rounding
+/// moves them by a thousandth of a cell.
 const SAME: f64 = 2e-3;
 
 /// One end of a curve: its index, and whether it is the last vertex.

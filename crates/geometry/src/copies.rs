@@ -4,7 +4,7 @@ use super::MapError;
 use super::order::{bordered, rank};
 use geosweep_surface::{EdgeLengths, Groups, Real};
 
-/// The groups of points that are copies of one point of the surface. Open surfaces have none.
+/// Groups of points that are copies of one point of the surface. Open surfaces have no groups.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Copies {
     groups: Option<Groups>,

@@ -125,7 +125,7 @@ impl<'a> FarthestPoints<'a> {
     }
 
     /// Takes samples only from the points for which `candidates`, row-major, is true. On a grid that was completed
-    /// ([`geosweep_surface::CompletedGrid`]), samples can so be kept to the given points. The covering radius is then
+    /// ([`geosweep_surface::CompletedGrid`]), this restricts samples to the given points. The covering radius is then
     /// that of the candidates.
     ///
     /// # Panics

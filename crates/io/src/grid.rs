@@ -1,4 +1,4 @@
-//! Holds values at the points of a grid, as files give them.
+//! Represents values at the points of a grid, as read from files.
 
 use std::path::Path;
 

@@ -75,7 +75,7 @@ impl MapFormat {
 
 /// A precision of maps in files: f32 or f64.
 pub trait MapValue: NpyElement {
-    /// Returns the values with their precision.
+    /// Wraps values, tagged with their precision.
     fn values(values: &[Self]) -> MapValues<'_>;
 }
 

@@ -413,7 +413,7 @@ fn apart(wanted: &[f32], gap: f32) -> Vec<f32> {
     places.enumerate().map(|(index, place)| place + index as f32 * gap).collect()
 }
 
-/// Moves positions into a range, as far as the range has room for all of them.
+/// Moves positions into a range, as far as they all fit into it.
 fn within(places: Vec<f32>, [low, high]: [f32; 2], gap: f32) -> Vec<f32> {
     let last = places.len().saturating_sub(1);
     let moved = |(index, place): (usize, f32)| {

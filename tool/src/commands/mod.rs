@@ -1,8 +1,8 @@
 //! Implements the commands for users. They read surfaces from files, write maps, matrices, curves and regions
 //! to files, and report on devices and profiles.
 //!
-//! There is one file per command. Further files hold what several commands share: level curves, curves over a
-//! map, labels of regions, and samples; `directions` holds the outputs of `distance` beside the map.
+//! Each command has a file. Further files have the parts that several commands share: level curves, curves over a map,
+//! labels of regions, and samples; `directions` holds the outputs of `distance` beside the map.
 
 pub mod builtin;
 pub mod canonical;

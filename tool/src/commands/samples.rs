@@ -8,7 +8,7 @@ use serde::Serialize;
 use crate::terminal::progress;
 
 /// Computes `count` samples, or fewer if the surface has fewer points, and the map from them. All samples but the first
-/// are taken from `candidates`, if these are given.
+/// come from `candidates`, if given.
 pub fn farthest_points<'a>(
     surface: &'a Surface,
     edges: &'a EdgeLengths<f32>,
@@ -33,7 +33,7 @@ pub fn farthest_points<'a>(
     Ok((points, samples))
 }
 
-/// Returns the point of the surface nearest to the middle of the grid, among `candidates` if these are given.
+/// Returns the point nearest to the middle of the grid, among `candidates` if given.
 pub fn middle(surface: &Surface, candidates: Option<&[bool]>) -> [f64; 2] {
     let chart = surface.chart();
     let from_middle = |&index: &usize| {

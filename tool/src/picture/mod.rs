@@ -75,7 +75,7 @@ pub fn scale_of(map: &DistanceMap, sources: &Sources) -> Scale {
     Scale::over(distances.chain([start(sources)]))
 }
 
-/// Returns the smallest distance, which need not occur at a grid point.
+/// Returns the smallest distance, which may lie between grid points.
 pub fn start(sources: &Sources) -> f32 {
     sources.start() as f32
 }

@@ -22,7 +22,7 @@ pub struct GivenGrid {
 const ON_SEAM: f64 = 1e-6;
 
 impl GivenGrid {
-    /// Makes the grid of a file. `lines` are the lines that the surface's grid has.
+    /// Makes the grid of a file. `lines` are the lines of the surface's grid.
     pub fn new(
         lines: CompletedGrid,
         georeference: Result<Georeference, String>,

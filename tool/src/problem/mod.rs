@@ -1,5 +1,5 @@
-//! Provides what all commands on a distance map share: the arguments for the surface, the sources and the
-//! solver, and the computation of the map.
+//! Provides the common parts of commands on a distance map: the arguments for the surface, the sources and the solver,
+//! and the computation of the map.
 
 mod args;
 mod curve_files;

@@ -74,13 +74,13 @@ pub enum SignError {
     },
 }
 
-/// Returns the distances from closed curves with a sign, row-major: positive outside, negative inside.
-/// `distances` is the map of these sources, as in [`geosweep_surface::DistanceMap::distances`]. At points that no source reaches,
-/// the map and the result are +infinity.
+/// Returns the distances from closed curves with a sign, row-major: positive outside, negative inside. `distances` is
+/// the map of these sources, as in [`geosweep_surface::DistanceMap::distances`]. At points that no source reaches, the
+/// map and the result are +infinity.
 ///
-/// The inside lies to the left of a curve, as seen in a picture of the grid with rows downwards: a curve that
-/// runs counter-clockwise surrounds its inside. A clockwise curve within it is the border of a hole; a
-/// clockwise curve alone surrounds the outside. Initial values are kept: only the sign changes.
+/// The inside lies to the left of a curve, as seen in a picture of the grid with rows downwards: a curve that runs
+/// counter-clockwise surrounds its inside. A clockwise curve within it is the border of a hole; a clockwise curve alone
+/// surrounds the outside. Initial values stay included: only the sign changes.
 ///
 /// On a glued surface curves may pass seams, and a curve that goes once around a tube is closed too. The inside is the
 /// part of the surface on the left of the curves. They must divide the surface: one curve around a torus does not.

@@ -42,8 +42,8 @@ pub(super) fn derivative(samples: Samples, scale: f64, noise: f64, toward: f64) 
 }
 
 /// Returns the derivative at 0 of samples at given places. If there is a kink beside 0, only samples on the side
-/// without the kink are used. At a kink the function is the minimum of two smooth functions and bends downwards, so the side
-/// without the kink is the side with the larger second difference.
+/// without the kink are used. At a kink the function is the minimum of two smooth functions and bends downwards, so the
+/// side without the kink is the side with the larger second difference.
 pub(super) fn derivative_beside_kink(
     samples: Samples,
     places: Places,

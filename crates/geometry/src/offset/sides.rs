@@ -186,8 +186,8 @@ impl<'a> Sides<'a> {
         }
     }
 
-    /// Returns whether each grid point, row-major, lies to the left of the nearest curve. Points that no curve reaches do
-    /// not.
+    /// Returns whether each grid point, row-major, lies to the left of the nearest curve. Points that no curve reaches
+    /// do not.
     pub(crate) fn are_left(&self) -> Vec<bool> {
         let chart = self.neighbourhood.chart();
         let at = |(row, col): (usize, usize)| self.is_left(chart.bordered(row, col)) == Some(true);

@@ -1,4 +1,4 @@
-//! Shortens paths that start where wavefronts meet, by a map of the surroundings of their start.
+//! Shortens paths that start where wavefronts meet, with a map of the surroundings of the start.
 //!
 //! Beside the cut locus some values of the map come from the wavefront on the other side and are too early. A
 //! path that starts there therefore runs along the cut locus and becomes too long. A few cells further on,

@@ -47,7 +47,7 @@ fn direction(chart: Chart, [from, to]: [usize; 2]) -> Option<Direction> {
     ways.into_iter().find(|&way| chart.beside(from, way) == to)
 }
 
-/// Returns the place at the fraction `share` of the way between two neighbours.
+/// Returns the place at the fraction `share` between two neighbours.
 fn place_between(chart: Chart, [from, to]: [usize; 2], share: f64) -> Option<Place> {
     match direction(chart, [from, to])? {
         along @ (Direction::East | Direction::South) => {

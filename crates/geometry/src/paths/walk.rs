@@ -44,8 +44,8 @@ struct Walk {
     time: f64,
     /// The cell through which the path has come.
     from: usize,
-    /// The entry into the next cell and the path's direction there. It is `None` unless the path has come to
-    /// a place on an edge.
+    /// The entry into the next cell and the path's direction there. It is `None` unless the path is at a place on an
+    /// edge.
     entry: Option<(Entry, DVec2)>,
     /// The earliest time of the grid points that the path has passed. The path does not go back to a later
     /// point.

@@ -82,7 +82,7 @@ impl Fans {
 
 impl Fan {
     /// Puts the sectors around a point in order. The first ray crosses the base between the two `spokes`, at the
-    /// fraction `share` of the way from the first to the second.
+    /// fraction `share` from the first to the second.
     fn around(sectors: &[Sector], spokes: [usize; 2], share: f64) -> Self {
         let along = match share {
             0.0 => Some(spokes[0]),
@@ -142,7 +142,7 @@ impl Sector {
         self.spokes == spokes || self.spokes == [spokes[1], spokes[0]]
     }
 
-    /// Returns the angle from the first spoke to a place on the base, at a share of the way along it.
+    /// Returns the angle from the first spoke to the place at the fraction `share` of the base.
     fn angle_at(&self, share: f64) -> f64 {
         let [first, last] = self.lengths;
         let place = DVec2::new(first, 0.0).lerp(last * DVec2::from_angle(self.angle), share);

@@ -115,7 +115,7 @@ fn followed(
     labels
 }
 
-/// Follows links from a point to a label, and stores that label at all points on the way. Other threads that follow the
+/// Follows links from a point to a label, and stores that label at all points passed. Other threads that follow the
 /// same links write the same values.
 fn resolve(labels: &[AtomicU32], offsets: &[Offset; 8], point: usize) {
     let next = |point: usize| {
@@ -152,8 +152,7 @@ impl Loop for Earliest<'_> {
         let Self { around, line } = self;
         let [above, beside, below] = around.map(|row| &row[..line.len() + 2]);
         for (point, line) in line.iter_mut().enumerate() {
-            // Neighbours are compared in the order of their indices, so that the first of equally early ones
-            // is kept.
+            // Neighbours are compared in the order of their indices, so the first of equally early ones is chosen.
             let mut earliest = (f32::FAR, NO_REGION);
             earliest = earlier(earliest, above[point], LINK);
             earliest = earlier(earliest, above[point + 1], LINK | 1);

@@ -35,8 +35,8 @@ pub struct Voronoi {
 }
 
 impl Voronoi {
-    /// Computes the Voronoi regions of sources. `distances` is their converged map on this surface, of any
-    /// engine, row-major, as in [`geosweep_surface::DistanceMap::distances`]. `edges` are the edge lengths of `surface`.
+    /// Computes the Voronoi regions of sources. `distances` is their converged map on this surface, of any engine,
+    /// row-major, as in [`geosweep_surface::DistanceMap::distances`]. `edges` are the edge lengths of `surface`.
     ///
     /// A point that is equally far from two sources belongs to the first of them. If two sources are the
     /// same, all their points belong to the first. A region without a grid point is empty.

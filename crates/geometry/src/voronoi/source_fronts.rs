@@ -98,7 +98,7 @@ impl<'a> SourceFronts<'a> {
         })
     }
 
-    /// Visits all queued points, including those queued on the way.
+    /// Visits all queued points, including those queued by the visits.
     fn follow(&mut self) {
         while let Some(rank) = self.next() {
             self.known.advance(rank);
@@ -177,7 +177,7 @@ impl<'a> SourceFronts<'a> {
         self.tell_all();
     }
 
-    /// Labels a point of a seam. Fronts come to the point at any of its copies.
+    /// Labels a point of a seam. Fronts may arrive at any of its copies.
     fn visit_copies(&mut self, point: usize) {
         let (mut all, mut copies): (Vec<Candidate>, usize) = (Vec::new(), 0);
         while let Some(copy) = self.known.copies().nth(point, copies) {

@@ -10,7 +10,7 @@ pub(super) struct Start {
     pub point: usize,
     /// The index of the source.
     pub label: u32,
-    /// The arrival time there.
+    /// The arrival time at the point.
     pub time: f64,
 }
 

@@ -44,7 +44,7 @@ pub struct Drawing {
     pub chart: Chart,
     /// Location of the grid on the Earth.
     pub georeference: Option<Georeference>,
-    /// Whether the third coordinate of a position is a height, in addition to the map coordinates of its place.
+    /// Whether the third coordinate of a position is a height above its map coordinates.
     pub has_heights: bool,
     /// Names of the curves' attributes. A CSV table has a column for each of them, even if there are no curves.
     pub attributes: Vec<&'static str>,

@@ -4,9 +4,9 @@ use std::io::{self, Read, Seek, SeekFrom, Write};
 
 use super::MatrixLayout;
 
-/// Size in bytes of the rows that are held in memory at a time.
+/// Bytes of the rows that are in memory at a time.
 const BAND: usize = 16 << 20;
-/// Number of columns that are processed between two calls of `go_on`.
+/// Number of columns between two calls of `go_on`.
 const BETWEEN_QUESTIONS: usize = 256;
 
 /// Writes the mean of a whole matrix and its transpose. Returns an error once `go_on` returns false.

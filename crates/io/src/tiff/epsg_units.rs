@@ -2,7 +2,7 @@
 //! GeoTIFF 1.1 lets the system's number determine the unit.
 
 /// Runs of systems, a line each: their kind, the numbers of the first and the last one, and the number of their unit.
-/// There are no systems in other units within a run.
+/// All systems within a run have that unit.
 const RUNS: &str = include_str!("epsg_units.csv");
 
 /// Returns the unit of a projected system, if it is not the metre.

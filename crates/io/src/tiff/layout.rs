@@ -14,8 +14,7 @@ pub struct Layout {
     pub sample: Sample,
     /// Number of values per pixel, including the alpha channel.
     pub samples: usize,
-    /// Whether each of these values has chunks of its own. The chunks of the first value come before those of
-    /// the second.
+    /// Whether each of these values has separate chunks. The chunks of the first value precede those of the second.
     pub planar: bool,
     /// Index of the opacity channel, if there is one.
     pub alpha: Option<usize>,

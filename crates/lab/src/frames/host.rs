@@ -69,7 +69,7 @@ impl Host {
         instance: ash::Instance,
         index: usize,
     ) -> Result<Self, Box<dyn Error>> {
-        // SAFETY: all handles belong to this instance and device. What is created is kept.
+        // SAFETY: all handles belong to this instance and device. All created objects are stored in the result.
         unsafe {
             let found = instance.enumerate_physical_devices()?;
             let physical_device = *found.get(index).ok_or("the device is gone")?;

@@ -60,7 +60,7 @@ const STRIDE: usize = 12;
 
 /// Performs the planned measurements.
 pub fn measure(plan: &Plan) -> Result<Measured, Box<dyn Error>> {
-    // The library decides which device is used, and checks that it is suitable.
+    // The library chooses the device and checks that it is suitable.
     let name = vulkan::HeadlessSolver::new(&plan.device)?.device_name().to_owned();
     let index = match plan.device {
         DeviceChoice::Index(index) => index,

@@ -21,7 +21,7 @@ pub fn suggested(untuned: Tuning, rows: &[Row]) -> Tuning {
             tuning = knob.set(tuning, value);
         }
     }
-    // A group must have room for its lines. Values that are best separately may not fit together.
+    // A group must be wide enough for its lines. Values that are best separately may not fit together.
     let room = |tuning: &Tuning| tuning.scan_width > 2 * (tuning.scan_lines - 1);
     if !room(&tuning) {
         tuning = Tuning { scan_width: untuned.scan_width, ..tuning };
