@@ -19,7 +19,7 @@ use shared::{Map, Picture};
 const CHART: Chart = Chart { rows: 241, cols: 161 };
 const SIZE: [u32; 2] = [1200, 700];
 
-/// One invocation is one point. The last column has the points of the first.
+/// Moves the tube, one point per invocation. The last column has the points of the first.
 const MOVE: &str = "
     @group(0) @binding(0) var<storage, read> time: array<f32>;
     @group(0) @binding(1) var<storage, read_write> points: array<vec4<f32>>;

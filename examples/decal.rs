@@ -33,7 +33,7 @@ const AROUND: f32 = 4.0;
 /// Value of u and v beyond the radius.
 const NOWHERE: f32 = 1e6;
 
-/// One invocation is one point.
+/// Moves the cloth, one point per invocation.
 const MOVE: &str = "
     @group(0) @binding(0) var<storage, read> time: array<f32>;
     @group(0) @binding(1) var<storage, read_write> points: array<vec4<f32>>;
@@ -48,8 +48,8 @@ const MOVE: &str = "
         points[id.x] = vec4<f32>(0.72 * x, y, fold * (0.75 + 0.25 * sin(0.03 * y)), 0.0);
     }";
 
-/// One invocation is one texel of the paint, of which there are 4 x 4 in a cell. The bristles of the brush have fixed
-/// places in its log map, so they leave streaks on the cloth.
+/// Strokes the brush, one texel of the paint per invocation. A cell has 4 x 4 texels. The bristles have fixed places in
+/// the brush's log map, so they leave streaks on the cloth.
 const STROKE: &str = "
     @group(0) @binding(0) var<storage, read_write> paint: array<f32>;
     @group(0) @binding(1) var log_map: texture_2d<f32>;
@@ -63,7 +63,7 @@ const STROKE: &str = "
         paint[id.x] = max(paint[id.x], ink);
     }";
 
-/// The coordinates of the log map at a column and a row. Four texels are loaded, since not all devices filter them.
+/// Coordinates of the log map at a column and a row. Four texels are loaded, since not all devices filter them.
 const SAMPLE: &str = "
     fn log_map_at(place: vec2<f32>) -> vec2<f32> {
         let low = min(vec2<i32>(place), vec2<i32>(158, 118));

@@ -29,7 +29,7 @@ const FINE: usize = 4;
 const WIDTH: usize = FINE * (SIDE - 1);
 const TOWER: [f32; 2] = [96.0, 176.0];
 
-/// The passes share these constants and this function. A crater opens every 15 to 20 frames, across the agents' way.
+/// Constants and a function that the passes share. A crater opens every 15 to 20 frames, across the agents' way.
 const SHARED: &str = "
     const SIDE = 192u;
     const WIDTH = 764u;
@@ -48,7 +48,7 @@ const SHARED: &str = "
         return z;
     }";
 
-/// One invocation is one grid point.
+/// Makes the terrain, one grid point per invocation.
 const TERRAIN: &str = "
     @group(0) @binding(0) var<storage, read> frame: array<f32>;
     @group(0) @binding(1) var<storage, read_write> heights: array<f32>;
@@ -58,7 +58,7 @@ const TERRAIN: &str = "
         heights[id.x] = height(vec2<f32>(vec2<u32>(id.x % SIDE, id.x / SIDE)), frame[0]);
     }";
 
-/// One invocation is one agent. `heading` is one of the functions below.
+/// Moves the agents, one per invocation. `heading` is one of the functions below.
 const WALK: &str = "
     @group(0) @binding(0) var<storage, read> frame: array<f32>;
     @group(0) @binding(1) var<storage, read_write> agents: array<vec2<f32>>;
@@ -98,7 +98,7 @@ const ALONG_DIRECTIONS: &str =
 const ALONG_LINKS: &str =
     "fn heading(place: vec2<f32>) -> vec2<f32> { return to_neighbour(field, place); }";
 
-/// One invocation is one pixel: shaded terrain, and the trails over it.
+/// Paints shaded terrain, and the trails over it, one pixel per invocation.
 const PAINT: &str = "
     @group(0) @binding(0) var<storage, read> frame: array<f32>;
     @group(0) @binding(1) var<storage, read> agents: array<vec2<f32>>;
@@ -119,7 +119,7 @@ const PAINT: &str = "
         trails[id.x] = pack4x8unorm(vec4<f32>(colour, 1.0));
     }";
 
-/// The result of a march.
+/// Result of a march.
 pub(crate) struct March {
     /// Pixels, row by row.
     pub pixels: Vec<[u8; 3]>,

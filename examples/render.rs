@@ -19,7 +19,7 @@ use shared::{Map, Picture};
 const CHART: Chart = Chart { rows: 260, cols: 360 };
 const SIZE: [u32; 2] = [1600, 900];
 
-/// One invocation is one point.
+/// Moves the surface, one point per invocation.
 const MOVE: &str = "
     @group(0) @binding(0) var<storage, read> phase: array<f32>;
     @group(0) @binding(1) var<storage, read_write> points: array<vec4<f32>>;

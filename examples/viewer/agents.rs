@@ -21,7 +21,7 @@ pub const PACE: f32 = 4.0;
 /// Size of the buffer of agents: four floats each, the last of which is not used.
 const BYTES: u64 = 16 * COUNT as u64;
 
-/// The rule by which agents choose their steps.
+/// Rule by which agents choose their steps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Steps {
     /// Steps along the image of directions.

@@ -22,7 +22,7 @@ const FACTOR: f32 = 1.25;
 /// Value of u and v beyond the log map's reach.
 const NOWHERE: f32 = 1e6;
 
-/// The way in which a point of the surface finds its place in the decal.
+/// Method by which a point of the surface finds its place in the decal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Placement {
     /// Uses the log map, so that the decal lies on the surface as if it were glued there

@@ -22,7 +22,7 @@ const UNREACHED: f32 = -1.0;
 pub struct Memory {
     /// Positions, four floats each.
     pub positions: vk::Buffer,
-    /// One source, as the picking pass writes it.
+    /// Single source, in the form that the picking pass writes.
     pub source: vk::Buffer,
     /// Places on the grid, as [`places`] returns them.
     pub places: vk::Buffer,
@@ -208,7 +208,7 @@ impl Due {
     }
 }
 
-/// Returns who reads the image: the surface's shader, and the pass that moves agents.
+/// Returns the readers of the image: the surface's shader, and the pass that moves agents.
 fn reader() -> Reader {
     Reader::sampled(Access::FRAGMENT_READ.and(Access::COMPUTE_READ))
 }

@@ -1,4 +1,4 @@
-//! The things shown on the surface: the keys switch them, and they stay from one surface to the next.
+//! Options of what the surface shows. Keys switch them, and they stay from one surface to the next.
 
 use crate::agents::Steps;
 use crate::decal::{Look, Placement, RADIUS};
@@ -13,9 +13,9 @@ pub struct Shown {
     pub contours: bool,
     pub decal: Look,
     agents: bool,
-    /// Whether a path was asked for on a closed surface.
+    /// Whether a path was requested on a closed surface.
     pub lacks_path: bool,
-    /// The rule by which agents step, also while they are hidden.
+    /// Rule by which agents step, also while they are hidden.
     steps: Steps,
 }
 
@@ -29,7 +29,7 @@ impl Shown {
         }
     }
 
-    /// Returns what is shown at first.
+    /// Returns the initial options.
     pub fn new(options: &Options) -> Self {
         let decal = Look { placement: options.decal, radius: RADIUS };
         let steps = if options.neighbours { Steps::Neighbours } else { Steps::Directions };
@@ -76,7 +76,7 @@ impl Shown {
         }
     }
 
-    /// Returns what was asked for and is not possible on a closed surface.
+    /// Returns what was requested and is not possible on a closed surface.
     fn refused(&self) -> String {
         let agents = self.agents.then_some("agents");
         let decals = self.decal.placement.map(|_| "decals");

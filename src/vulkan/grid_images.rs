@@ -22,7 +22,7 @@ use super::{TexelChart, Tuning, VulkanError};
 use crate::constants::LAYERS;
 use crate::surface::{Chart, Lattice};
 
-/// Number of words that are kept for each tile.
+/// Number of words that are stored for each tile.
 pub(crate) const TILE_WORDS: usize = 6;
 
 /// Largest number of sources in a recording.
@@ -34,7 +34,7 @@ pub(crate) type Copied = ((vk::Buffer, u64), (vk::Buffer, u64), u64);
 /// Purpose of a grid's images.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Purpose<'a> {
-    /// Whether the slowness of the surface is uneven. It then is on the device too, 4 bytes a point.
+    /// Whether the slowness of the surface is uneven. The device then stores it, 4 bytes a point.
     pub(crate) slowed: bool,
     /// Number of frames in flight if the surface is embedded in a renderer, where everything stays on the device.
     ///
@@ -47,7 +47,7 @@ pub(crate) struct Purpose<'a> {
     pub(crate) results: usize,
     /// Queue families that use images of distances and the map.
     pub(crate) families: &'a [u32],
-    /// Where the grid goes on beyond its sides, if its points are measured on the device.
+    /// Continuation of the grid beyond its sides, if its points are measured on the device.
     pub(crate) lattice: Lattice,
 }
 
@@ -74,7 +74,7 @@ pub(crate) struct GridImages {
     pub(crate) edges: Image,
     pub(crate) gaussian: Image,
     slowed: bool,
-    /// Where the grid goes on beyond its sides, for a renderer's points.
+    /// Continuation of the grid beyond its sides, for a renderer's points.
     pub(crate) lattice: Lattice,
     /// Number of frames in flight.
     pub(crate) slots: usize,
@@ -272,12 +272,12 @@ impl GridImages {
         }
     }
 
-    /// Returns where a copy finds what was written to [`GridImages::upload_half`].
+    /// Returns the buffer and the offset of the bytes written to [`GridImages::upload_half`].
     pub(crate) fn upload_at(&self, half: usize) -> (vk::Buffer, u64) {
         self.staging.as_ref().map_or((self.upload.buffer, 0), |[upload, _]| upload.at(half))
     }
 
-    /// Returns the bytes of sources for which shaders have room at a time.
+    /// Returns the largest number of bytes of sources at a time.
     pub(crate) fn source_room(&self) -> usize {
         source_bytes(self.chart, self.staging.is_some())
     }
@@ -292,8 +292,8 @@ impl GridImages {
         }
     }
 
-    /// Returns the copies that bring `sources` bytes of the first half, and the anchors, to where shaders
-    /// read them. The result is `None` if shaders read the memory that the program writes.
+    /// Returns the copies of `sources` bytes of the first half, and of the anchors, to the buffers that shaders read;
+    /// `None` if shaders read the memory that the program writes.
     pub(crate) fn inputs(&self, sources: u64) -> Option<[Copied; 2]> {
         let [upload, _] = self.staging.as_ref()?;
         let (to, room) = (self.upload.buffer, self.source_room() as u64);
@@ -301,8 +301,8 @@ impl GridImages {
         Some([(upload.at(0), (to, 0), sources), (upload.further_at(), (to, room), anchors)])
     }
 
-    /// Returns where distances are to be copied for the host; `None` if the host reads the buffer that
-    /// shaders write.
+    /// Returns the buffer and the offset to which distances are copied for the host; `None` if the host reads the
+    /// buffer that shaders write.
     pub(crate) fn read_back_at(&self, half: usize) -> Option<(vk::Buffer, u64)> {
         self.staging.as_ref().map(|[_, read_back]| read_back.at(half))
     }
@@ -413,8 +413,8 @@ fn staging_infos(chart: Chart) -> [(&'static str, (usize, usize)); 2] {
     [("staging of uploads", (upload, ANCHOR_BYTES)), ("staging of distances", (read_back, 0))]
 }
 
-/// Returns the bytes kept for tiles. A tile has its state, the round that it waits for, a place on each of
-/// two lists, and its urgency in even and in odd rounds.
+/// Returns the bytes stored for tiles. A tile has its state, the round that it waits for, an entry on each of two
+/// lists, and its urgency in even and in odd rounds.
 fn tiles_bytes(texels: TexelChart, tile: u32) -> usize {
     let [cols, rows] = texels.tiles(tile);
     TILE_WORDS * size_of::<u32>() * cols as usize * rows as usize

@@ -89,8 +89,8 @@ pub struct Flat {
 }
 
 impl Flat {
-    /// Returns the ways from a place to all images of another one near the grid, in rows and columns as they are
-    /// oriented at the first place.
+    /// Returns the vectors from a place to all images of another one near the grid, in the rows and columns of the
+    /// first place.
     pub fn ways(self, from: [f64; 2], to: [f64; 2]) -> impl Iterator<Item = DVec2> {
         let [from, to] = [from, to].map(DVec2::from);
         let turns = |wraps: bool| if wraps { -2..=2 } else { 0..=0 };
@@ -102,12 +102,12 @@ impl Flat {
         turns(self.rows).flat_map(move |down| right.clone().map(move |right| image(down, right)))
     }
 
-    /// Returns the shortest of these ways.
+    /// Returns the shortest of these vectors.
     pub fn way(self, from: [f64; 2], to: [f64; 2]) -> DVec2 {
         self.ways(from, to).min_by(|a, b| a.length().total_cmp(&b.length())).unwrap()
     }
 
-    /// Returns whether the shortest way to `to` is unique at a place and around it. At the cut locus either of two ways
+    /// Returns whether the shortest vector to `to` is unique at a place and around it. At the cut locus either of two
     /// is right.
     pub fn is_smooth(self, at: [f64; 2], to: [f64; 2]) -> bool {
         let way = self.way(at, to);

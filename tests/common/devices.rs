@@ -85,7 +85,7 @@ impl<T: Send> Pool<T> {
         let mut most = MOST.lock().unwrap();
         if resident() > *most {
             close_idle();
-            // What is left belongs to items in use, or to the heap. Without this, each further item would be closed.
+            // The rest belongs to items in use, or to the heap. Without this, each further item would be closed.
             *most = (*most).max(resident() + (1 << 28));
         }
     }

@@ -13,7 +13,7 @@ pub trait DeviceMemory {
     /// Allocates memory for an image or a buffer.
     ///
     /// # Errors
-    /// If there is no room, or a Vulkan call fails.
+    /// If memory runs out, or a Vulkan call fails.
     fn allocate(&mut self, wanted: &MemoryRequest) -> Result<MemoryBlock, AllocationError>;
 
     /// Frees a block that this allocator has returned. Nothing uses the block any more.

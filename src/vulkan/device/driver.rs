@@ -1,4 +1,4 @@
-//! Reads the name and version of a driver, and knows drivers that compute wrong results.
+//! Reads the name and version of a driver, and recognizes drivers that compute wrong results.
 
 use ash::vk;
 

@@ -20,7 +20,7 @@ pub struct Access {
 }
 
 impl Access {
-    /// No access: there is nothing to wait for.
+    /// Empty access: there is nothing to wait for.
     pub const NONE: Self = Self::new(vk::PipelineStageFlags::TOP_OF_PIPE, vk::AccessFlags::NONE);
     /// Writes by a compute shader.
     pub const COMPUTE_WRITE: Self =
@@ -70,8 +70,8 @@ impl Access {
     }
 }
 
-/// Access and layout with which the host reads an image of distances. They hold for the reads of this frame
-/// and for all earlier reads of the same image.
+/// Access and layout with which the host reads an image of distances, in this frame and in all earlier reads of the
+/// image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Reader {
     /// Stages and kinds of the reads.
@@ -91,8 +91,8 @@ impl Reader {
     pub const COPY: Self =
         Self { access: Access::TRANSFER_READ, layout: vk::ImageLayout::TRANSFER_SRC_OPTIMAL };
 
-    /// Sampling on another queue, after a semaphore. No command on the recording queue waits for these reads,
-    /// since that queue may lack the stages of the readers.
+    /// Sampling on another queue, after a semaphore. Commands on the recording queue do not wait for these reads, since
+    /// that queue may lack the stages of the readers.
     pub const OTHER_QUEUE: Self = Self::sampled(Access::NONE);
 
     /// Returns a reader that samples the image in these stages.

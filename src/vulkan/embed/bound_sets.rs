@@ -12,14 +12,14 @@ use super::surface::FrameSurface;
 use crate::vulkan::VulkanError;
 use crate::vulkan::device::pipelines::Pipelines;
 
-/// Descriptor sets in as many versions as a replaceable input of the surface. Each rebinding takes the next free
-/// version.
+/// Descriptor sets in the same number of versions as a replaceable input of the surface. Each rebinding uses the next
+/// free version.
 #[derive(Debug)]
 pub(super) struct BoundSets {
     pool: vk::DescriptorPool,
     versions: Versions,
-    /// Number of replacements of each of the surface's points at the last binding. `sources` holds the same
-    /// for the surface's source buffers.
+    /// Number of replacements of each of the surface's points at the last binding. `sources` counts those of the source
+    /// buffers.
     points: Vec<u32>,
     sources: Vec<u32>,
     flight: Arc<Flight>,
@@ -108,7 +108,7 @@ impl BoundSets {
         self.versions.are_used_by(serial.unwrap_or(0));
     }
 
-    /// Returns whether a tracked recording that uses the sets may not have run.
+    /// Returns whether a tracked recording that uses the sets may still be pending.
     pub(super) fn are_in_flight(&self) -> bool {
         self.versions.are_in_flight(&self.flight)
     }

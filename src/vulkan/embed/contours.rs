@@ -43,8 +43,8 @@ impl CurveKind for ContourKind {}
 pub enum LevelInput<'a> {
     /// Given levels in ascending order, at most 1024.
     List(&'a [f32]),
-    /// Multiples of a distance, beginning with the distance itself; at most 1024. Levels beyond the largest
-    /// distance of the map cost next to nothing.
+    /// Multiples of a distance, beginning with the distance itself; at most 1024. Levels above the largest distance of
+    /// the map cost almost nothing.
     Spacing {
         /// Distance between levels; positive.
         step: f32,
@@ -59,8 +59,8 @@ pub enum LevelInput<'a> {
 pub struct ContourFrame<'a> {
     /// Levels of the contours.
     pub levels: LevelInput<'a>,
-    /// Smallest initial value of the map's sources, which is usually 0. The position of a contour between
-    /// grid points is interpolated from the squares of the times since this start.
+    /// Smallest initial value of the map's sources, usually 0. Between grid points, contours are placed by
+    /// interpolation of the squares of the times since this start.
     pub start: f32,
     /// Number of the surface's points to which the contours are lifted.
     pub points: usize,
@@ -71,7 +71,7 @@ pub struct ContourFrame<'a> {
 }
 
 impl<'a> ContourFrame<'a> {
-    /// Returns the parameters of contours on the surface's points 0, of a map that starts at time 0.
+    /// Returns the parameters of contours on the surface's points with number 0, for a map that starts at time 0.
     pub fn new(levels: LevelInput<'a>, reader: Access) -> Self {
         Self { levels, start: 0.0, points: 0, reader }
     }
@@ -85,7 +85,7 @@ impl<'a> ContourFrame<'a> {
 }
 
 const MOST_LEVELS: usize = LEVELS_TOGETHER as usize;
-/// Largest number of words per grid row in which contours are counted.
+/// Largest number of words per grid row for counting contours.
 const ROW_WORDS: usize = 1 + WORKGROUP as usize;
 
 impl Contours {
@@ -182,14 +182,13 @@ impl LevelInput<'_> {
 }
 
 impl Recording<'_> {
-    /// Records the passes that find the contours of the map and lift them to the surface. Returns the buffer
-    /// that receives them for the host to draw. [`Output`] says when to record them. The segments are ordered by their cells: from north to south,
-    /// and within a row from west to east. The same map always gives the same order.
+    /// Records the passes that find the contours of the map and lift them to the surface. Returns the buffer that
+    /// receives them for the host to draw. [`Output`] says when to record them. The segments are ordered by their
+    /// cells: from north to south, and within a row from west to east. The same map always gives the same order.
     ///
-    /// The segments are those of [`crate::geometry::contours`]. Seen from the first vertex of a segment
-    /// towards the second, nearer points lie to the left, in a picture of the grid with rows downwards. If
-    /// there is too little room, the southern segments are left out. [`super::CurveRecord::vertices`] then
-    /// holds the number of vertices that are needed.
+    /// The segments are those of [`crate::geometry::contours`]. Seen from the first vertex of a segment towards the
+    /// second, nearer points lie to the left, in a picture of the grid with rows downwards. If the buffer is too small,
+    /// the southern segments are left out, and [`super::CurveRecord::vertices`] holds the number of vertices needed.
     ///
     /// # Errors
     /// If the contours were destroyed or made for another surface, there is no map, the frame's points do not

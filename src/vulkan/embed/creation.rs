@@ -1,7 +1,7 @@
 //! Defines the methods of a solver that create outputs.
 
-/// Defines three methods of [`super::Solver`] for an output: for its size, and for its creation in memory of its own and
-/// of the host. `info` returns the parameters of its memory, and `make` these and its passes.
+/// Defines three methods of [`super::Solver`] for an output: for its size, and for creating it in memory of its own or
+/// of the host. `info` returns the parameters of its memory; `make` returns these and its passes.
 macro_rules! creation {
     (
         $output:ident($($room:ident: $kind:ty)?), $hosts:ident: $memory:ident($of:ty);

@@ -63,8 +63,8 @@ impl CurveVertex {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct CurveRecord {
-    /// Number of vertices that are drawn. For contours it is the number of vertices that fit the buffer. For
-    /// a path it is the number of all its vertices, or 0 if the path is not complete.
+    /// Number of vertices to draw: for contours, those that fit the buffer; for a path, all of its vertices, or 0 if
+    /// the path is not complete.
     pub vertex_count: u32,
     /// Number of instances: 1.
     pub instance_count: u32,
@@ -72,14 +72,13 @@ pub struct CurveRecord {
     pub first_vertex: u32,
     /// First instance: 0.
     pub first_instance: u32,
-    /// For contours, the number of vertices that they need, whether or not the buffer has room for them. For
-    /// a path, the number of vertices as far as it was traced.
+    /// Number of vertices needed: for contours, even if the buffer is too small; for a path, as far as it was traced.
     pub vertices: u32,
     status: u32,
     source: u32,
-    /// For a path, the map's value at its start.
+    /// Value of the map at a path's start.
     pub distance: f32,
-    /// For a path, its length as far as it was traced. It is measured in the same way as the map.
+    /// Length of a path as far as it was traced, in the measure of the map.
     pub length: f32,
 }
 
@@ -88,13 +87,13 @@ pub struct CurveRecord {
 pub enum CurveStatus {
     /// The curve is complete. A path has arrived at a source.
     Complete,
-    /// There are more vertices than there is room for.
+    /// The curve has more vertices than there is capacity for.
     OutOfRoom,
     /// The path starts where no front arrives: in a hole, or cut off from the sources.
     Unreached,
     /// The path starts off the grid or at NaN, or no start was given for it.
     Outside,
-    /// The path ends where the map does not lead on to a source. The map has not converged, belongs to other
+    /// The path ends where the map leads no further towards a source: the map has not converged, belongs to other
     /// sources, or has a pit there.
     Lost,
 }
@@ -114,7 +113,7 @@ impl CurveRecord {
         }
     }
 
-    /// Returns the source at which a path has arrived, as its place in the given order; `None` if it has not
+    /// Returns the source at which a path has arrived, as its index in the given order; `None` if the path has not
     /// arrived.
     pub fn source(&self) -> Option<u32> {
         (self.status == constants::COMPLETE).then_some(self.source)
@@ -134,7 +133,7 @@ pub struct CurveBuffer {
     pub curves: u32,
     /// Offset of the first vertex in bytes, with which the vertex buffer is bound.
     pub vertices_offset: u64,
-    /// Room for each curve, in vertices.
+    /// Capacity of each curve, in vertices.
     pub capacity: u32,
 }
 
@@ -142,7 +141,7 @@ pub struct CurveBuffer {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CurveLayout {
     pub(super) curves: u32,
-    /// Room for each curve, in vertices.
+    /// Capacity of each curve, in vertices.
     pub(super) capacity: u32,
     /// Number of words between the records and the vertices.
     pub(super) between: u32,
@@ -195,7 +194,7 @@ impl<K: CurveKind> Output<K> {
         self.info.curves.expect("this kind of output has curves")
     }
 
-    /// Returns where the curves are. Contours have a single [`CurveRecord`] and are drawn as a list of lines. Each
+    /// Returns the buffer of the curves. Contours have a single [`CurveRecord`] and are drawn as a list of lines. Each
     /// path has a record and is drawn as a strip of lines.
     pub fn curves(&self) -> CurveBuffer {
         let CurveLayout { curves, capacity, .. } = self.layout();
@@ -221,8 +220,8 @@ impl<K: CurveKind> Output<K> {
         recording.surface.state.check_map()
     }
 
-    /// Lifts all curves to the surface's points with this number, with a barrier before the reads of
-    /// `reader`. These are the last commands of a recording that was checked before.
+    /// Lifts all curves to the surface's points with this number, and records a barrier before the reads of `reader`.
+    /// These commands end a recording, which was checked before.
     pub(super) fn lift(
         &self,
         recording: &Recording,

@@ -1,4 +1,4 @@
-//! Finds on the device the direction in which the way back leaves each grid point.
+//! Computes on the device the direction of the way back at each grid point.
 
 use super::access::Reader;
 use super::creation::creation;
@@ -20,14 +20,13 @@ use crate::vulkan::device::pipelines::Pipeline;
 use crate::vulkan::device::shaders::way_starts::Push;
 use crate::vulkan::profile::PassKind;
 
-/// Image of the directions in which ways lead back to the sources, and the passes that find them:
-/// [`Recording::directions`]. The image is for agents, flow fields and the like, which step along these
-/// directions.
+/// Image of the directions of the ways back to the sources, and the passes that compute them:
+/// [`Recording::directions`]. The image is for agents and flow fields, which step along these directions.
 ///
 /// The image has the format R16G16_SFLOAT, N x M texels (width x height), one for each grid point. A texel is
 /// a unit vector in the chart: columns to the right, rows downwards. It is 0, 0 at sources, at points that
 /// are not reached, and at points without an earlier neighbour, such as some of the points of a pole.
-/// All devices can filter the format bilinearly. Where ways lead apart, as beside holes and where fronts meet, filtered
+/// All devices can filter the format bilinearly. Where ways diverge, as beside holes and where fronts meet, filtered
 /// vectors are shorter than 1.
 ///
 /// A step by this vector does not have the length 1 on the surface.
@@ -91,12 +90,12 @@ fn info(limits: &Limits, chart: Chart) -> Result<OutputInfo, VulkanError> {
 }
 
 impl Recording<'_> {
-    /// Records the passes that find the direction in which the way back leaves each grid point, and returns
-    /// the image that receives them.
+    /// Records the passes that compute the direction of the way back at each grid point, and returns the image that
+    /// receives them.
     ///
-    /// The direction is the direction of the continuous way back, which [`Recording::paths`] follows.
-    /// [`crate::geometry::BackDirections`] finds the same direction on the CPU. Where several fronts meet, it
-    /// is the direction of one of the shortest paths. The same map always gives the same directions.
+    /// The direction is that of the continuous way back, which [`Recording::paths`] follows.
+    /// [`crate::geometry::BackDirections`] computes the same direction on the CPU. Where several fronts meet, it is the
+    /// direction of one of the shortest paths. The same map always gives the same directions.
     ///
     /// # Errors
     /// If the directions were destroyed or made for another surface, there is no map, the sources are too

@@ -29,8 +29,7 @@ struct InFlight {
 #[derive(Clone, Copy, Debug, Default)]
 struct Recorded {
     serial: u32,
-    /// Hash of the command buffer's handle, half as long as the handle. It distinguishes the host's command
-    /// buffers.
+    /// Hash of the command buffer's handle, half as long as the handle, by which the host's command buffers differ.
     commands: u32,
     slot: Option<usize>,
 }
@@ -85,9 +84,8 @@ impl Flight {
         self.serial.load(Relaxed)
     }
 
-    /// Returns whether the device may still execute the recording with this serial or an earlier one. The
-    /// result is false for serial 0, which belongs to no recording, and for serials that were never given
-    /// out.
+    /// Returns whether the recording with this serial or an earlier one may still be pending. The result is false for
+    /// serial 0, which belongs to no recording, and for serials that were never assigned.
     pub(super) fn waits_for(&self, serial: u32) -> bool {
         if serial == 0 || later(serial, self.serial.load(Relaxed)) {
             return false;
@@ -97,7 +95,7 @@ impl Flight {
         later(serial, run) && kept.waiting(run).next().is_some()
     }
 
-    /// Returns a recording that has not run, if there is one. The inner value is its slot, if it has one.
+    /// Returns a recording that may still be pending, if there is one. The inner value is its slot, if it has one.
     pub(super) fn waiting(&self) -> Option<Option<usize>> {
         let kept = self.kept();
         kept.waiting(kept.last_run()).map(|recorded| recorded.slot).next()
@@ -148,9 +146,8 @@ impl InFlight {
         self.recordings.iter().filter(move |of| of.serial != 0 && later(of.serial, run))
     }
 
-    /// Returns the place for a recording into a command buffer. It is the place of the previous recording
-    /// into the same buffer, an empty place, the place of a recording that has run, or else the place of the
-    /// oldest recording.
+    /// Returns the entry for a recording into a command buffer. In order of preference it is the entry of the previous
+    /// recording into the same buffer, an empty entry, the entry of a recording that has run, or the oldest entry.
     fn place_for(&self, commands: u32) -> usize {
         let all = &self.recordings;
         let find = |is: &dyn Fn(&Recorded) -> bool| all.iter().position(is);
@@ -168,7 +165,7 @@ impl InFlight {
     }
 }
 
-/// Returns whether a serial was given out after another. 0 precedes all serials.
+/// Returns whether a serial was assigned after another. 0 precedes all serials.
 fn later(serial: u32, other: u32) -> bool {
     other == 0 && serial != 0 || serial.wrapping_sub(other) as i32 > 0
 }

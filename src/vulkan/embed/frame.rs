@@ -26,7 +26,7 @@ pub struct Frame<'a> {
     pub slot: usize,
     /// Reader of the image.
     pub reader: Reader,
-    /// The end of the map. The radius and the targets may change from frame to frame.
+    /// Limit of the map. The radius and the targets may change from frame to frame.
     pub limit: MapLimit<'a>,
     /// Value of the image at points that are not reached. It may be +infinity, but bilinear filters turn that
     /// into NaN beside such points. A negative number is easy to test for.

@@ -1,5 +1,5 @@
-//! Manages descriptor sets of memory that the host may replace with another buffer or image. There is one version of
-//! the sets more than the surface has slots. The versions take turns, so that frames in flight keep their sets.
+//! Manages descriptor sets of memory that the host may replace with another buffer or image. The sets have one version
+//! more than the surface has slots. The versions are used in turn, so that frames in flight keep their sets.
 
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
@@ -54,19 +54,18 @@ impl Versions {
         self.versions[self.current].used.store(serial, Relaxed);
     }
 
-    /// Notes that a recording reads the input. The serial of the recording is the next one that is given out.
+    /// Notes that a recording reads the input. The next serial belongs to this recording.
     pub(super) fn is_read(&self, flight: &Flight) {
         self.are_used_by(flight.coming());
     }
 
-    /// Notes that a recording writes the host's image. With `has_note` the serial of the recording is the
-    /// next one that is given out. Otherwise the last serial covers the recording. If the slot's outcome was
-    /// recorded before, this is the serial of the outcome.
+    /// Notes that a recording writes the host's image. With `has_note` the next serial belongs to the recording.
+    /// Otherwise the last serial covers it, which is that of the slot's outcome if the outcome was recorded before.
     pub(super) fn is_written(&self, flight: &Flight, has_note: bool) {
         self.are_used_by(if has_note { flight.coming() } else { flight.last() });
     }
 
-    /// Returns whether a tracked recording that uses a version may not have run.
+    /// Returns whether a tracked recording that uses a version may still be pending.
     pub(super) fn are_in_flight(&self, flight: &Flight) -> bool {
         self.versions.iter().any(|of| flight.waits_for(of.used.load(Relaxed)))
     }

@@ -151,8 +151,7 @@ pub enum SourceInput<'a> {
     Inline(&'a [PointSource]),
     /// All sources in the surface's source buffer with this number.
     Buffer(usize),
-    /// Sources in another part of such a buffer, for instance in a ring buffer of which each frame uses
-    /// another part.
+    /// Sources in another part of such a buffer, such as the part of a ring buffer for this frame.
     BufferAt {
         /// Number of the surface's source buffer.
         number: usize,

@@ -1,4 +1,4 @@
-//! Computes on the device the place of each grid point in the tangent plane of its source.
+//! Computes on the device the coordinates of each grid point in the tangent plane of its source.
 
 use super::access::{Access, Reader};
 use super::creation::creation;
@@ -124,8 +124,8 @@ fn info(limits: &Limits, chart: Chart) -> Result<OutputInfo, VulkanError> {
     LogMapKind::WAYS.info(limits, chart)
 }
 
-/// Returns the number of rounds after which the coordinates of all points are known, if no way is longer than
-/// the grid has points. A way is one cell long in the first round, and twice as long in each further round.
+/// Returns the number of rounds after which the coordinates of all points are known, if no way has more cells than the
+/// grid has points. A way is one cell long in the first round and doubles its length in each further round.
 fn rounds(chart: Chart) -> u32 {
     let known =
         |rounds: &u32| LOG_MAP_DISC as u64 + u64::from(LOG_MAP_STEPS) * ((1u64 << rounds) - 1);

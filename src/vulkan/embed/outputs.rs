@@ -338,8 +338,8 @@ impl<K> Output<K> {
         buffers + self.image.as_ref().map_or(0, Image::bytes)
     }
 
-    /// Returns whether a recording of the output may not have run. This is known with [`super::Tools::checks`]
-    /// only.
+    /// Returns whether a recording of the output may still be pending. This is known only with
+    /// [`super::Tools::checks`].
     pub fn is_in_flight(&self) -> bool {
         self.sets.as_ref().is_some_and(BoundSets::are_in_flight)
     }
@@ -400,14 +400,14 @@ impl<K> Output<K> {
         Ok(recording.sources_in(sources, sets[0], |number| sets[1 + number]))
     }
 
-    /// Notes that the commands of a recording so far use the output. They end with its last pass.
+    /// Notes that all commands recorded so far use the output, up to its last pass.
     pub(super) fn end(&self, recording: &Recording) {
         if let Some(sets) = &self.sets {
             sets.are_used(recording.note());
         }
     }
 
-    /// Returns the error for memory of the host where the output has its own.
+    /// Returns the error for setting memory of the host on an output that owns its memory.
     fn own_memory(&self, reason: String) -> VulkanError {
         VulkanError::HostBuffer { what: self.info.buffer.name, reason }
     }

@@ -77,7 +77,7 @@ pub enum StartInput<'a> {
 pub struct PathFrame<'a> {
     /// Access by which the host has written starts and sources.
     pub before: Access,
-    /// Starts of the paths, no more than there is room for. Records without a start have the status
+    /// Starts of the paths, at most [`PathsInfo::paths`]. Records without a start have the status
     /// [`super::CurveStatus::Outside`] and draw nothing.
     pub starts: StartInput<'a>,
     /// All sources of the map, including those that were added to it.
@@ -91,7 +91,7 @@ pub struct PathFrame<'a> {
 }
 
 impl<'a> PathFrame<'a> {
-    /// Returns the parameters of paths on the surface's points 0. They do not wait for writes of the host.
+    /// Returns the parameters of paths on the surface's points with number 0. They do not wait for writes of the host.
     pub fn new(starts: StartInput<'a>, sources: SourceInput<'a>, reader: Access) -> Self {
         Self { before: Access::NONE, starts, sources, points: 0, reader }
     }
@@ -180,8 +180,8 @@ impl Recording<'_> {
     /// its record says why ([`super::CurveRecord::status`]). For each path, every source is examined once,
     /// and again in each cell in which a source may lie.
     ///
-    /// On a glued surface paths go on over seams. Where a path crosses a seam, two consecutive vertices are the same
-    /// place of the surface: the first at its row and column on one side of the seam, the second on the other side.
+    /// On a glued surface, paths cross seams. Two consecutive vertices are then the same point of the surface: the
+    /// first at its row and column on one side of the seam, the second on the other side.
     ///
     /// # Errors
     /// If the paths were destroyed or made for another surface, there is no map, the frame's points do not

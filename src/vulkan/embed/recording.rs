@@ -47,9 +47,9 @@ pub struct Recording<'a> {
     pub(super) recorder: Recorder<'a>,
     pub(super) solver: &'a Solver,
     pub(super) surface: &'a FrameSurface,
-    /// Offset of the points in bytes from where the surface has them.
+    /// Offset in bytes, added to the surface's own offset of the points.
     points_at: u64,
-    /// The ends of the maps.
+    /// Limit of the maps.
     limit: MapLimit<'a>,
 }
 
@@ -82,10 +82,9 @@ impl<'a> Recording<'a> {
         self
     }
 
-    /// Returns this recording with the points read `offset` bytes after the place where the surface has them,
-    /// as in a ring buffer of which each frame uses another part. The offset applies in
-    /// [`Recording::measure`] and where contours and paths are lifted. It must be a multiple of 4, and 0 for
-    /// points in an image. The methods that read the points check it.
+    /// Returns this recording with `offset` bytes added to the surface's own offset of the points, as for a ring buffer
+    /// of which each frame uses another part. The offset applies in [`Recording::measure`] and where contours and paths
+    /// are lifted. It must be a multiple of 4, and 0 for points in an image. The methods that read the points check it.
     pub fn points_at(self, offset: u64) -> Self {
         Self { points_at: offset, ..self }
     }
@@ -390,8 +389,8 @@ impl<'a> Recording<'a> {
             };
             let pipeline = recorder.pipelines.of(SOURCES);
             let size = [4 * together, 1];
-            // Four invocations share a source. How many edges around the source they read depends on its
-            // place, and is not counted.
+            // Four invocations share a source. The number of edges that they read around it depends on its position,
+            // and is not counted.
             let each = [size_of::<PointSource>() as u64 / 4, SEED_BYTES];
             let pass = recorder.pass_of_each(PassKind::Sources, size, each);
             recorder.host_pass(pipeline, set.set, &portion, size);
@@ -464,9 +463,8 @@ impl Solver {
     }
 }
 
-/// Returns the largest number of sources of a recording whose surroundings are solved on a grid of this size.
-/// The surroundings of a few sources are always worth solving. The surroundings of many sources are worth
-/// solving only if they are a small part of the grid.
+/// Returns the largest number of sources of a recording whose surroundings are solved on a grid of this size. Solving
+/// them always pays for a few sources, and for many only if they are a small part of the grid.
 fn most_surrounded(chart: Chart) -> u32 {
     let share = chart.points() / POINTS_FOR_SURROUNDINGS;
     share.clamp(FEW_SOURCES, SOURCES_TOGETHER as usize) as u32

@@ -36,9 +36,9 @@ pub struct RegionKind {
     starts: Starts<Push>,
     /// Pass that begins the ways back from all points.
     ways: Pipeline<Push>,
-    /// The same over the copies of points of a glued surface.
+    /// Pass that begins the ways back from the copies of points of a glued surface.
     over_copies: Option<Pipeline<Push>>,
-    /// Passes that make ways longer, and passes that go from parent to parent.
+    /// Passes that lengthen ways, and passes that step from parent to parent.
     rounds: [Pipeline<Push>; 2],
 }
 
@@ -57,14 +57,14 @@ pub struct RegionBuffer {
     pub bytes: u64,
 }
 
-/// Parameters of [`Recording::regions`]. A label is a place in the list of sources.
+/// Parameters of [`Recording::regions`]. A label is an index in the list of sources.
 pub type RegionFrame<'a> = SourceFrame<'a, Access>;
 
 /// Number of words per grid point: two links of one word each, and two places of two words each.
 const POINT_WORDS: u64 = 2 + 2 * 2;
 
 impl Regions {
-    /// Returns where the labels are.
+    /// Returns the buffer of the labels.
     pub fn labels(&self) -> RegionBuffer {
         RegionBuffer { buffer: self.buffer(), bytes: WORD * self.chart.points() as u64 }
     }
@@ -115,9 +115,9 @@ fn info(limits: &Limits, chart: Chart) -> Result<OutputInfo, VulkanError> {
     Ok(OutputInfo { buffer, counts: None, image: None, curves: None, passes: 0 })
 }
 
-/// Returns the number of passes that make ways longer, and the number of passes that go from parent to
-/// parent. The passes of each kind suffice for a way over as many points as the grid has. The sum of both
-/// numbers is even, so that the labels end up in their place.
+/// Returns the number of passes that lengthen ways, and the number of passes that step from parent to parent. Either
+/// kind suffices for a way over as many points as the grid has. The sum of both numbers is even, so that the labels end
+/// up in their place.
 fn rounds(chart: Chart) -> [u32; 2] {
     let [flowing, jumping] = [FLOW_JUMPS, PARENT_JUMPS].map(|jumps| {
         let reaches =
@@ -128,10 +128,9 @@ fn rounds(chart: Chart) -> [u32; 2] {
 }
 
 impl Recording<'_> {
-    /// Records the passes that find the nearest source to each grid point. The initial value of a source
-    /// counts towards its distance. Returns the buffer that receives the labels for the host to read. A label
-    /// is the source's place in the list, counted from 0, or [`crate::geometry::NO_REGION`] in holes and
-    /// where no front arrives.
+    /// Records the passes that find the nearest source to each grid point. The initial value of a source counts towards
+    /// its distance. Returns the buffer that receives the labels for the host to read. A label is the source's index in
+    /// the list, or [`crate::geometry::NO_REGION`] in holes and where no front arrives.
     ///
     /// Labels follow the map: each point gets the label of the source to which its front leads back. The
     /// number of passes depends on the logarithm of the number of grid points, whatever the map is. The same
@@ -142,9 +141,9 @@ impl Recording<'_> {
     /// border between their regions may be rotated about the pair. On the plane it is rotated by up to 18
     /// degrees if both sources lie in the same cell.
     ///
-    /// A point at the same distance from two sources gets one of their labels, always the same one. Of
-    /// several sources at the same place, the first gets the region. A curve that is many sources in the list
-    /// has as many labels. A table of the host can map these labels to curves.
+    /// A point at the same distance from two sources gets one of their labels, always the same one. Of several sources
+    /// at the same position, the first gets the region. A curve that is given as many sources has as many labels, which
+    /// a table of the host can map to the curve.
     ///
     /// # Errors
     /// If the regions were destroyed or made for another surface or wavefront, there is no map, the sources

@@ -31,7 +31,7 @@ pub struct Solver {
     pub(crate) limits: Limits,
     /// See [`Tools::checks`].
     pub(super) checks: bool,
-    /// Sets that were made, each as the bit with its number.
+    /// Bit mask of the pipeline sets that exist, by their numbers.
     pipeline_sets: AtomicU8,
 }
 

@@ -43,8 +43,8 @@ impl<P: Pod> Starts<P> {
     }
 }
 
-/// Returns the largest number of records of the passes up to the sources beside points. They clear words, write the
-/// sources, examine these twice, and visit the copies of points on a glued surface as often.
+/// Returns the largest number of records of the passes that find the sources beside points. These clear words, write
+/// the sources, examine them twice, and on a glued surface visit the copies of points twice.
 pub(super) fn records_of_starts(surface: &FrameSurface) -> u32 {
     1 + 1 + 2 + if surface.is_glued() { 2 } else { 0 }
 }

@@ -385,20 +385,20 @@ impl FrameSurface {
         }
     }
 
-    /// Returns a slot whose last recording has not run, if there is one. Nothing that the recording uses may
+    /// Returns a slot whose last recording may still be pending, if there is one. Nothing that the recording uses may
     /// be destroyed yet, unless the recording was never submitted.
     pub fn in_flight(&self) -> Option<usize> {
         (0..self.slots()).find(|&slot| self.state.is_in_flight(slot, self.grid.record(slot).serial))
     }
 
-    /// Returns whether a tracked recording may not have run. Recordings with an outcome are tracked, and with
-    /// [`super::Tools::checks`] all recordings. At most 64 command buffers of a surface are tracked at once.
-    /// A command buffer that is submitted repeatedly is tracked until its first run has ended.
+    /// Returns whether a tracked recording may still be pending. Recordings with an outcome are tracked, and with
+    /// [`super::Tools::checks`] all recordings. At most 64 command buffers of a surface are tracked at once. A command
+    /// buffer that is submitted repeatedly is tracked until its first run has ended.
     pub fn is_in_flight(&self) -> bool {
         self.flight.waiting().is_some()
     }
 
-    /// Returns whether a tracked recording that reads the surface's points with this number may not have run.
+    /// Returns whether a tracked recording that reads the surface's points with this number may still be pending.
     ///
     /// # Errors
     /// If there are no such points.
@@ -441,7 +441,7 @@ impl FrameSurface {
         2 * is_glued + measured + 1 + 2 * copies * sources.div_ceil(SOURCES_TOGETHER) + 3 + 5
     }
 
-    /// Returns an error if there is no such slot. Whether the slot is in flight is checked by `Recording::check_slot`.
+    /// Returns an error if there is no such slot. `Recording::check_slot` checks whether the slot is in flight.
     pub(super) fn check_slot(&self, slot: usize) -> Result<(), VulkanError> {
         self.result(slot, vk::ImageLayout::UNDEFINED).map(drop)
     }

@@ -21,12 +21,12 @@ pub struct SurfaceFrame<'a> {
     pub surface: &'a FrameSurface,
     /// Frame to record.
     pub frame: Frame<'a>,
-    /// Offset of the points in bytes from where the surface has them, as in [`Recording::points_at`].
+    /// Offset in bytes, added to the surface's own offset of the points, as in [`Recording::points_at`].
     pub points_at: u64,
 }
 
 impl<'a> SurfaceFrame<'a> {
-    /// Returns a frame of `surface`, with its points where the surface has them.
+    /// Returns a frame of `surface`, with the surface's own offset of the points.
     pub fn new(surface: &'a FrameSurface, frame: Frame<'a>) -> Self {
         Self { surface, frame, points_at: 0 }
     }

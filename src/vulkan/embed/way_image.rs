@@ -25,7 +25,7 @@ pub trait WayKind: ImageKind {
     const WAYS: Ways;
 }
 
-/// The contents of the image, and their place in the buffer.
+/// Contents of the image, and their position in the buffer.
 #[derive(Clone, Copy, Debug)]
 pub struct Ways {
     pub(super) what: &'static str,

@@ -57,20 +57,20 @@ const SIDE: usize = 2048;
 const COMPUTED: u32 = 512;
 /// Number of bytes read back.
 const READ_BACK: usize = 16 << 20;
-/// Recordings are lengthened until they take this long.
+/// Minimum time of a recording. Shorter recordings are lengthened.
 const LONG_ENOUGH: Duration = Duration::from_millis(20);
 /// Largest number of repetitions in a recording. Lavapipe ends loops after 65 535 trips.
 const MOST: u32 = 1 << 14;
 /// Number of timestamps in a recording.
 const TIMESTAMPS: u32 = 128;
-/// Offset from which on the buffer of workgroup counts holds zeros.
+/// Offset of the zeros in the buffer of workgroup counts.
 const NO_GROUP: u64 = 0;
-/// Offset from which on this buffer holds ones.
+/// Offset of the ones in this buffer.
 const ONE_GROUP: u64 = 64;
 /// Number of times each recording is submitted. The shortest time counts, since other work can only add to
 /// it.
 const TRIES: usize = 5;
-/// Reason why the probe has its images and pipelines.
+/// Message of panics about missing images and pipelines of the probe.
 const MADE: &str = "a probe is made with its images and pipelines";
 
 impl DeviceCeilings {
@@ -282,7 +282,7 @@ impl<'a> Probe<'a> {
             return Ok(None);
         }
         let [mut without, mut with] = [Duration::MAX; 2];
-        // Both are measured in turn: the difference is small, and other work comes and goes.
+        // The two recordings alternate: their difference is small, and other work comes and goes.
         for _ in 0..TRIES {
             without = without.min(self.time(|probe, commands| {
                 (0..TIMESTAMPS).for_each(|_| one(probe, commands));

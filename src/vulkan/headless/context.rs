@@ -23,7 +23,7 @@ pub(crate) struct Context {
     pub(crate) capabilities: Option<Capabilities>,
     /// Number of the queue's family.
     family: u32,
-    /// Vulkan lets one thread submit to a queue at a time.
+    /// Compute queue. Vulkan lets one thread submit to it at a time.
     queue: Mutex<vk::Queue>,
     allocator: ManuallyDrop<Mutex<Allocator>>,
     // Fields are dropped after `drop` has destroyed the device, so the instance outlives it.
@@ -185,8 +185,8 @@ impl Submitter for Unwatched {
 /// Command buffer that can be recorded again. If `new` has made it, a recording is submitted once. If `kept` has made
 /// it, a recording is submitted any number of times, each after the last submission has ended.
 ///
-/// It has a pool and a fence of its own: Vulkan lets one thread use a pool at a time, and command buffers of one
-/// device may be recorded and dropped on several threads.
+/// Each command buffer has its own pool and fence: Vulkan lets one thread use a pool at a time, and command buffers of
+/// one device may be recorded and dropped on several threads.
 pub(crate) struct CommandBuffer {
     context: Arc<Context>,
     pool: vk::CommandPool,
@@ -289,7 +289,7 @@ impl Drop for CommandBuffer {
 
 /// Command buffer that the device may run while the program does other work.
 pub(crate) struct Flight {
-    /// It must be recorded only after [`Flight::wait`].
+    /// Command buffer, to be recorded only after [`Flight::wait`].
     pub(crate) commands: CommandBuffer,
     is_pending: bool,
 }

@@ -7,23 +7,23 @@ use super::solver::HeadlessSolver;
 use crate::Monitor;
 use crate::vulkan::{DeviceChoice, VulkanError};
 
-/// A device that no call uses at present.
+/// Device that no call is using.
 struct Idle {
     choice: DeviceChoice,
-    /// The process that opened the device. A child that the process makes by `fork` must not use the device.
+    /// Process that opened the device. A child that the process makes by `fork` must not use the device.
     process: u32,
     solver: HeadlessSolver,
 }
 
-/// The idle devices, or none if devices are closed after each call.
+/// Idle devices; `None` if devices are closed after each call.
 static IDLE: Mutex<Option<Vec<Idle>>> = Mutex::new(None);
 
-/// Sets whether the calls of this process that compute one map on a Vulkan device, such as
-/// [`crate::distance_map`], leave the device open for the next call with the same [`DeviceChoice`]. Opening a
-/// device takes 0.3 s or more, and then its pipelines are compiled. At the start, devices are closed after each
-/// call. With `false`, idle devices are closed now.
+/// Sets whether the calls of this process that compute one map on a Vulkan device, such as [`crate::distance_map`],
+/// leave the device open for the next call with the same [`DeviceChoice`]. Opening a device takes 0.3 s or more, and
+/// then its pipelines are compiled. By default, devices are closed after each call. `false` closes idle devices at
+/// once.
 ///
-/// Each of several calls at the same time has a device of its own. A call that fails closes its device.
+/// Concurrent calls have a device each. A call that fails closes its device.
 /// [`HeadlessSolver`] keeps one device open for as long as it lives, and surfaces on it too. New pipelines are saved
 /// after each call, if there is a folder for them ([`crate::vulkan::keep_pipelines_in`]).
 ///

@@ -442,7 +442,7 @@ impl HeadlessSolver {
     }
 }
 
-/// Returns the targets for a device, or none if there are more than it takes.
+/// Returns the targets for a device, or an empty list if there are more than it takes.
 fn target_points(targets: &Targets) -> Vec<TargetPoint> {
     let points = targets.points();
     let point = |&[row, col]: &[usize; 2]| TargetPoint::at(row as u32, col as u32);
@@ -457,7 +457,7 @@ fn end_of(targets: Option<&Targets>, distances: &[f32], chart: Chart) -> f64 {
     })
 }
 
-/// Makes all points unreached that are farther than `end`.
+/// Resets all points farther than `end` to unreached.
 fn cut(distances: &mut [f32], end: f64) {
     if end < f64::INFINITY {
         let farther = |distance: &&mut f32| f64::from(**distance) > end;

@@ -43,14 +43,14 @@ pub struct SurfaceOnDevice {
 /// State of the map before the seeds.
 #[derive(Clone, Copy, PartialEq)]
 pub(in crate::vulkan) enum Start {
-    /// No point is reached.
+    /// All points are unreached.
     Fresh,
     /// The last map is kept.
     FromLast,
 }
 
 impl SurfaceOnDevice {
-    /// Allocates resources for a surface whose points have these places in texels.
+    /// Allocates the resources of a surface with these texels.
     pub(in crate::vulkan) fn new(
         context: &Arc<Context>,
         pipelines: &Pipelines,

@@ -195,7 +195,7 @@ impl BatchLayout {
         if self.workgroup.is_some() { 4 * fan_numbers(self.wavefront) * pairs } else { 0 }
     }
 
-    /// Returns the bytes of the maps that are kept from one dispatch to the next.
+    /// Returns the bytes of the maps that are stored from one dispatch to the next.
     pub(super) fn kept(&self) -> u64 {
         self.workgroup.map_or(0, |workgroup| {
             let map = self.chart.rows as u64 * u64::from(workgroup.pitch * numbers(self.wavefront));

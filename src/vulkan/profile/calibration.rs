@@ -8,7 +8,7 @@ use ash::{ext, khr, vk};
 use super::clock::Clock;
 use crate::vulkan::VulkanError;
 
-/// One moment on both clocks.
+/// Readings of the device's and the host's clock at one moment.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Calibration {
     ticks: u64,

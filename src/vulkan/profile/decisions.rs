@@ -56,7 +56,7 @@ impl Decisions {
     }
 }
 
-/// Returns the number of blocks of scans for which the device notes its visits, which there is limited room for.
+/// Returns the number of blocks of scans whose visits the device notes, which is limited.
 pub(super) fn visits_noted(steps: &[Step], lines: u32) -> u32 {
     let blocks = steps.iter().map(|step| match step {
         Step::Scan(pass) => pass.blocks(lines),
@@ -65,7 +65,7 @@ pub(super) fn visits_noted(steps: &[Step], lines: u32) -> u32 {
     blocks.sum::<u32>().min(VISITS)
 }
 
-/// Returns the bytes in which visits to blocks are noted.
+/// Returns the size in bytes of the notes of visits to blocks.
 fn bytes_of(visits: u32) -> u64 {
     u64::from(visits.div_ceil(32)) * size_of::<u32>() as u64
 }

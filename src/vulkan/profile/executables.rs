@@ -77,7 +77,7 @@ impl Statistic {
     }
 }
 
-/// Returns an owned text of the driver's; an empty one if it does not end.
+/// Returns the driver's text as an owned string, which is empty if the text has no end.
 fn text(text: Result<&CStr, FromBytesUntilNulError>) -> String {
     text.unwrap_or_default().to_string_lossy().into_owned()
 }

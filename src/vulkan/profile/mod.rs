@@ -1,4 +1,4 @@
-//! Profiles each pass of a map: what it had to do, and how long it took.
+//! Profiles each pass of a map: its work and its time.
 //!
 //! Nothing is recorded for profiling unless it is requested. A host gives a [`Profile`] a range of its own
 //! query pools ([`Slots`]), records with [`Recording::profiled`], and requests the records with
@@ -9,8 +9,8 @@
 //! `emit` turns records into spans. [`Capabilities`] states what a device does not offer. `docs/profiling.md`
 //! has an example and explains how to read the results.
 //!
-//! Recorders know nothing of profiles. A [`Profile`] is an observer of what they record, and computes everything else
-//! from that, from the steps of plans and from what the device has decided.
+//! Recorders do not depend on profiles. A [`Profile`] observes what they record, and computes its records from that,
+//! from the steps of plans and from the device's decisions.
 //!
 //! [`Recording::profiled`]: super::embed::Recording::profiled
 //! [`planned`]: super::planned

@@ -13,8 +13,7 @@ pub enum Grain {
     /// A record for each portion: from the sources through all iterations or rounds of a recording. In
     /// headless solving it includes the outcome. For many maps at once, a record for each iteration.
     Portions,
-    /// A record for each iteration: its scans, with the count that ends it.
-    /// With tiles, a record for each round.
+    /// A record for each iteration: its scans, with the count that ends it. Rounds of tiles have a record each.
     Iterations,
     /// A record for each scan, or for each pair of scans that run at the same time. It includes all blocks of lines of
     /// the scan, which may be a hundred or more, and the barriers between them.

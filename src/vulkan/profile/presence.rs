@@ -24,7 +24,7 @@ const COUNT_LAST: Work = Work::of_bytes(0, 4);
 /// Condition that decides whether a pass visits anything.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Presence {
-    /// No condition: the pass is dispatched as recorded.
+    /// Unconditional: the pass is dispatched as recorded.
     Always,
     /// Visits the blocks of lines that are due.
     Scans(Blocks),

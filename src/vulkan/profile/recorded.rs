@@ -15,8 +15,8 @@ use crate::vulkan::schedules::plan::Step;
 
 /// Passes of one recording, and the queries that will hold their times.
 ///
-/// Create one for each frame in flight. Recording into it allocates nothing. It serves one recording at a
-/// time.
+/// Create one profile for each frame in flight, since it serves one recording at a time. Recording into it allocates
+/// nothing.
 pub struct Profile {
     pub(super) slots: Slots,
     grain: Grain,
@@ -45,7 +45,7 @@ pub(super) struct Taken {
 struct Open {
     record: PassRecord,
     presence: Presence,
-    /// Origin of what the record says about the commands of the pass.
+    /// Commands that count towards the record of the pass.
     counts: Counts,
     /// Number of the pass in the profile, if that has room.
     number: Option<u32>,
@@ -58,7 +58,7 @@ enum Counts {
     All,
     /// Dispatches. The recorder has stated the bytes.
     Dispatches,
-    /// None, since the pass is a step, whose work the counter of steps states.
+    /// No command: the pass is a step, whose work the counter of steps states.
     Nothing,
 }
 
@@ -130,7 +130,7 @@ impl Profile {
         self.write_timestamp(device, commands, 0);
     }
 
-    /// Opens a pass, after the one before it has ended.
+    /// Ends the open pass, if any, and opens another.
     fn open(&self, commands: &Commands, taken: &mut Taken, mut open: Open) {
         let &Commands { device, buffer, .. } = commands;
         self.close(commands, taken);

@@ -15,8 +15,7 @@ pub struct QueryRange {
     pub count: u32,
 }
 
-/// Queries and buffers of the host that a profile may use. All of them are optional. The records lack the
-/// values of those that are missing.
+/// Queries and buffers of the host that a profile may use. Each is optional: without it, records lack its values.
 ///
 /// The sizes are for `passes` passes in a recording.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -35,10 +34,10 @@ pub struct Slots {
     /// [`super::super::embed::Recording::solve`], `add` or `resume` in a recording, from an offset that is a
     /// multiple of 4.
     pub decisions: Option<Decided>,
-    /// Buffer, and offset in it, for the numbers of the tiles that each round has visited, row by row of
-    /// tiles. Leave it `None` unless you want to draw the tiles, since the copies take time. The buffer must
-    /// be like that of `decisions`, with four bytes for each tile of the grid and each round of the plan.
-    /// Only the last portion is kept.
+    /// Buffer, and offset in it, for the numbers of the tiles that each round has visited, row by row of tiles. Leave
+    /// it `None` unless you want to draw the tiles, since the copies take time. The buffer must be like that of
+    /// `decisions`, with four bytes for each tile of the grid and each round of the plan. It keeps the last portion
+    /// only.
     pub tile_lists: Option<(vk::Buffer, u64)>,
 }
 

@@ -2,10 +2,9 @@
 
 use super::pass::PassRecord;
 
-/// Emits a span for each pass, one after another, at level `DEBUG` with the target `geosweep::gpu`. It serves
-/// subscribers that collect what a frame took. The passes have already ended, so the device's times are
-/// fields of the span: `begin_ns` since the start of the recording, and `gpu_ns`. Fields with unknown values
-/// are empty.
+/// Emits a span for each pass, one after another, at level `DEBUG` with the target `geosweep::gpu`, for subscribers
+/// that collect the costs of a frame. The passes have already ended, so the device's times are fields of the span:
+/// `begin_ns` since the start of the recording, and `gpu_ns`. Fields with unknown values are empty.
 pub fn emit(passes: &[PassRecord]) {
     for pass in passes {
         let work = &pass.work;

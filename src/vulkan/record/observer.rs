@@ -1,5 +1,5 @@
-//! Tells an observer what is recorded: where passes and steps begin and end, and their commands. Whoever turns this
-//! into profiles is above recording, and no pass knows of it.
+//! Tells an observer what is recorded: where passes and steps begin and end, and their commands. Profiles are built on
+//! top of this, and no pass depends on them.
 
 use super::commands::Commands;
 use super::pass_kind::PassKind;
@@ -34,29 +34,29 @@ pub(crate) enum StepsOf<'a> {
 
 /// Observer of a recording.
 pub(crate) trait Observer: Sync {
-    /// A pass begins. The bytes that it moves are `moved`, or those of its copies, fills and updates.
+    /// Called when a pass begins. It moves the bytes `moved`, or else those of its copies, fills and updates.
     fn begin(&self, commands: &Commands, kind: PassKind, moved: Option<Moved>);
 
-    /// The pass that has begun last ends.
+    /// Called when the pass that began last ends.
     fn end(&self, commands: &Commands);
 
-    /// Workgroups are dispatched in the current pass.
+    /// Called when workgroups are dispatched in the current pass.
     fn dispatched(&self, groups: [u32; 3]);
 
-    /// Bytes are read and written by a copy, a fill or an update in the current pass.
+    /// Called when a copy, a fill or an update in the current pass reads and writes bytes.
     fn transferred(&self, read: u64, written: u64);
 
-    /// Steps of a plan follow. The observer may copy what the device has decided. Returns the number of blocks of
-    /// scans for which the device shall note whether it has visited them.
+    /// Called before the steps of a plan. The observer may copy the device's decisions. Returns the number of blocks of
+    /// scans whose visits the device shall note.
     fn begin_steps(&self, commands: &Commands, steps: PlannedSteps) -> u32;
 
-    /// The next of these steps begins. It ends where the next step or pass begins, or with the steps.
+    /// Called when the next of these steps begins. It ends where the next step or pass begins, or with the steps.
     fn step(&self, commands: &Commands, step: &Step);
 
-    /// The steps have been recorded.
+    /// Called after the steps.
     fn end_steps(&self, commands: &Commands);
 
-    /// The steps of a map, and the commands that belong to them, have been recorded.
+    /// Called after the steps of a map and the commands that belong to them.
     fn end_portion(&self, commands: &Commands);
 }
 

@@ -46,7 +46,7 @@ pub enum PassKind {
     Count,
     /// Lowers the limit of a map to the time that its targets need.
     Targets,
-    /// Takes back what lies beyond the radius or the targets of a map.
+    /// Resets points beyond the radius or the targets of a map to unreached.
     Trim,
     /// An iteration with its count, if no finer records are requested: [`Grain::Iterations`].
     Iteration,

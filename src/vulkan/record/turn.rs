@@ -1,8 +1,8 @@
 //! Merges recordings of several surfaces so that they share their barriers.
 //!
-//! Each recording is cut into parts at its barriers. All recordings are run as often as the longest of them has parts.
-//! Each run appends only one part of each recording: the first run the first parts, and so on. Then it appends a single
-//! barrier, which replaces the barriers after these parts.
+//! Each recording is cut into parts at its barriers. Run `n` calls all recordings, and appends only part `n` of each. A
+//! single barrier follows, which replaces the barriers after these parts. The longest recording determines the number
+//! of runs.
 
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -74,8 +74,8 @@ impl Turn {
         self.part.fetch_add(1, Relaxed);
     }
 
-    /// Appends `count` recordings to a command buffer part by part. `record` runs the recording with a given number.
-    /// It is called once for each part, so its other effects are repeated.
+    /// Appends `count` recordings to a command buffer part by part. `record` runs the recording with a given number. It
+    /// runs once for each part, so its side effects are repeated.
     pub(crate) fn take(
         &self,
         (device, buffer): (&ash::Device, vk::CommandBuffer),

@@ -16,9 +16,9 @@ pub struct Method {
     pub schedule: Option<Schedule>,
     /// Stopping criterion. It counts the iterations of the schedule.
     pub stop: Stop,
-    /// Largest arrival time of the map. Points that fronts reach later are unreached, and their distance is
-    /// +infinity. The work is about proportional to the area within the radius. With +infinity there is no limit. Frames have a limit of their own:
-    /// [`crate::vulkan::embed::Frame::limit`].
+    /// Largest arrival time of the map. Points that fronts reach later are unreached, and their distance is +infinity.
+    /// The work is about proportional to the area within the radius. With +infinity there is no limit. Frames have a
+    /// limit of their own: [`crate::vulkan::embed::Frame::limit`].
     pub radius: f64,
 }
 

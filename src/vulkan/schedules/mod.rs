@@ -61,7 +61,7 @@ impl Schedule {
         self.order().passes()
     }
 
-    /// Returns the passes that follow the seeds of a map, for which `glsl/passes/seed.comp` prepares.
+    /// Returns which passes follow the seeds of a map. `glsl/passes/seed.comp` prepares for them.
     pub(crate) fn follows(self) -> u32 {
         if self.has_rounds() { TILES_FOLLOW } else { SCANS_FOLLOW }
     }

@@ -11,7 +11,7 @@ use crate::vulkan::TexelChart;
 use crate::vulkan::device::passes::{Pass, Variant};
 use crate::vulkan::record::{Groups, Recorder};
 
-/// The interface of a schedule: its passes, plan and recording.
+/// Interface of a schedule: its passes, plan and recording.
 pub(super) trait ScheduleKind: Sync {
     /// Returns the numbers of the schedule's passes in the table, without the common passes. Each wavefront
     /// has pipelines of its own for them.
@@ -41,7 +41,7 @@ pub(super) trait ScheduleKind: Sync {
         false
     }
 
-    /// Returns how many numbers [`ScheduleKind::start`] writes.
+    /// Returns the number of words that [`ScheduleKind::start`] writes.
     fn start_words(&self, _: &Recorder) -> u64 {
         0
     }

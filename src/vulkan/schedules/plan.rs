@@ -91,9 +91,9 @@ impl ScanPair {
     }
 }
 
-/// Pass of a scan over a block of lines of texels, over those of the block's lines that lie within bounds, or over
-/// several blocks in turn. Blocks are counted from the grid's first row or column, for scans in either direction. Rows
-/// and columns of texels include the border of the images.
+/// Pass of a scan over a block of lines of texels, over the part of a block within bounds, or over several blocks in
+/// turn. Blocks are counted from the grid's first row or column, for scans in either direction. Rows and columns of
+/// texels include the border of the images.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct ScanPass {
     /// Scan to which the pass belongs.
@@ -109,10 +109,9 @@ pub struct ScanPass {
     /// Whether the pass visits its block unconditionally, as in the first iteration. Otherwise it visits the block only
     /// if the block is due and the map has not converged.
     pub always: bool,
-    /// Whether one workgroup takes several blocks of lines, one after the other. It skips those that are not
-    /// due.
+    /// Whether one workgroup takes several blocks of lines, one after the other, and skips those that are not due.
     pub in_turn: bool,
-    /// Number of lines of the scan that lie outside the bounds and would come before this pass.
+    /// Number of the scan's lines before this pass that lie outside the bounds.
     pub left_out: u32,
     /// First row or column of texels of the grid's last half, if the scan runs in a pair with the opposite one.
     pub middle: Option<u32>,
@@ -247,8 +246,8 @@ impl Reached {
 pub struct Portions {
     /// Number of lines of texels in a block of a scan.
     pub lines: u32,
-    /// Largest number of texels of a line with which a dispatch of a scan takes many blocks in turn. With 0 every
-    /// dispatch takes one block.
+    /// Largest length of a line, in texels, at which one dispatch takes many blocks in turn. With 0 every dispatch
+    /// takes one block.
     pub across: u32,
     /// Whether opposite scans run in pairs: [`crate::vulkan::Tuning::scan_pairs`].
     pub pairs: bool,

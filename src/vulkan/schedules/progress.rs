@@ -139,9 +139,9 @@ pub(crate) struct Changed {
 }
 
 impl Changed {
-    /// No texel: the value at the start of a map.
+    /// Empty rectangle: the value at the start of a map.
     pub(crate) const NOWHERE: Self = Self { first: i32::MAX, last: i32::MIN };
-    /// All texels: the value on a map to which sources are added, or whose limit is set later.
+    /// Rectangle of all texels: the value on a map to which sources are added, or whose limit is set later.
     pub(crate) const ANYWHERE: Self = Self { first: 0, last: i32::MAX };
 }
 

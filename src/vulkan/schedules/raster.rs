@@ -11,7 +11,7 @@ use crate::vulkan::{TexelChart, Tuning};
 
 pub(super) struct Raster;
 
-/// Number of blocks of lines that one update of a buffer starts: 3 KiB.
+/// Number of blocks of lines whose dispatch arguments one update of a buffer writes: 3 KiB.
 const BLOCKS_TOGETHER: usize = 256;
 
 impl ScheduleKind for Raster {
@@ -125,9 +125,8 @@ pub(crate) fn block_of(pass: &ScanPass, texels: TexelChart, lines: u32) -> Push 
     }
 }
 
-/// Returns the steps of a plan that run at the same time, in the order in which they are recorded. Tests also reverse
-/// this order, since on a device that runs the steps one after another they would not notice that a step depends on an
-/// earlier one.
+/// Returns simultaneous steps of a plan in the order in which they are recorded. Tests also reverse this order: a
+/// device that runs the steps one after another would hide that a step depends on an earlier one.
 pub(super) fn in_order(together: &[Step]) -> impl Iterator<Item = &Step> {
     #[cfg(test)]
     let is_reversed = tests::PAIRS_ARE_REVERSED.get();

@@ -39,8 +39,8 @@ impl Steps<'_, '_> {
     }
 }
 
-/// The part of one map in a recording of several: its recorder, the variant of its passes, its steps, and whether the
-/// map has targets.
+/// Part of one map in a recording of several: its recorder, the variant of its passes, its steps, and whether the map
+/// has targets.
 type Planned<'a, R> = (R, Variant, &'a [Step], bool);
 
 impl Recorder<'_> {

@@ -37,7 +37,7 @@ fn points_in(buffer: &HostBuffer, kind: PointKind) -> [Points; 1] {
     [Points { kind, ..Points::positions(buffer.handle, stride) }]
 }
 
-/// Returns a stage with a glued surface, whose points are as the surface's.
+/// Returns a stage with a glued surface that has the points of `surface`.
 pub fn stage_on(
     surface: &Surface,
     gluing: &Gluing,

@@ -30,7 +30,7 @@ struct Pass {
     counts: [u32; 3],
 }
 
-/// What was recorded, and the number of labels that are open.
+/// Recorded commands by label, and the number of open labels.
 static RECORDED: Mutex<(Vec<Pass>, usize)> = Mutex::new((Vec::new(), 0));
 /// Names that were given to objects.
 static NAMES: Mutex<Vec<String>> = Mutex::new(Vec::new());

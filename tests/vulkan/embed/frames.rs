@@ -61,7 +61,7 @@ pub fn read() -> Access {
 const LEVELS: [f32; 5] = [3.0, 6.5, 10.0, 15.0, 24.0];
 const ROOM: u32 = 8192;
 
-/// The way in which queue families access the resources of both queues.
+/// Mode in which queue families access the resources of both queues.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Way {
     /// There is one queue, and a frame is one command buffer. Only with two queues, contours are found too.

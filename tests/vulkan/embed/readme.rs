@@ -1,4 +1,4 @@
-//! Code of README for renderers.
+//! Code in the README for renderers.
 
 use geosweep::ash::vk;
 use geosweep::vulkan::embed::Access;

@@ -1,5 +1,5 @@
-//! How well a grid resolves a surface, as the device determines it while measuring a host's points, compared
-//! with `Surface::resolution` on the same surface.
+//! Resolution of a surface by a grid, as the device determines it while measuring a host's points, compared with
+//! `Surface::resolution` on the same surface.
 
 use geosweep::surface::EdgeRule;
 use geosweep::surface::builtin::Builtin;

@@ -13,7 +13,7 @@ use crate::common::closed::tube;
 use crate::embed::closed::stage_on;
 use crate::embed::stage::{Kept, Stage, source};
 
-/// Each invocation reads one place, a column and a row, in both ways.
+/// Shader that reads one place, a column and a row, by both methods in each invocation.
 const READ: &str = concat!(
     include_str!("../../../examples/viewer/shaders/bilinear.wgsl"),
     "

@@ -135,7 +135,7 @@ impl Stage {
         Self { host, solver, surface, download, own: Vec::new() }
     }
 
-    /// Creates a stage with a surface that is glued or open, and whose points a buffer holds as these numbers.
+    /// Creates a stage with a glued or open surface, whose points a buffer holds as these numbers.
     pub fn on(
         host: impl Into<Lent<Kept>>,
         passes: &[(Schedule, Wavefront)],

@@ -95,7 +95,7 @@ fn vertices<'a>(
     &all[record.first_vertex as usize..][..record.vertices.min(curves.capacity) as usize]
 }
 
-/// Returns how far the vertices are from the surface at most, relative to its extent.
+/// Returns the largest distance of the vertices from the surface, relative to its extent.
 fn lifted_off(surface: &Surface, vertices: &[CurveVertex]) -> f64 {
     let extent = (positions_of(surface).1)
         .into_iter()

@@ -17,7 +17,7 @@ use crate::common::closed::flat;
 use crate::embed::stage::{Kept, sources_at};
 use crate::host::Host;
 
-/// Returns the scene that is asked, on a host that reports objects that are left behind, and another one.
+/// Returns the scene under test, on a host that reports objects that are left behind, and another scene.
 fn scenes() -> [Scene; 2] {
     let (surface, sources) = (flat(9, 13), sources_at(&[[1.0, 2.0]]));
     [Scene::new(Host::new(), &surface, &sources), Scene::new(Kept::watched(), &surface, &sources)]
