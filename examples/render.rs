@@ -122,8 +122,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     shared::write_png("render.png", SIZE, &pixels)
 }
 
-/// Draws the surface in a phase of its motion, with `finer` times as many pixels in each direction. Returns their means,
-/// row by row.
+/// Draws the surface in a phase of its motion, with `finer` times as many pixels in each direction. Returns their
+/// means, row by row.
 pub(crate) fn render(host: &mut Host, finer: u32, phase: f32, source: PointSource) -> Vec<[u8; 3]> {
     let points = host.buffer(16 * CHART.points() as u64, false);
     let phase = host.buffer_of(&[phase]);

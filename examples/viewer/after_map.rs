@@ -5,7 +5,7 @@ use geosweep::vulkan::embed::{Access, FrameSurface, Recording, Solver};
 
 use crate::gpu::Gpu;
 
-/// The objects with which passes that use the map of a surface are recorded.
+/// Objects with which passes that use the map of a surface are recorded.
 #[derive(Clone, Copy)]
 pub struct AfterMap<'a> {
     pub gpu: &'a Gpu,

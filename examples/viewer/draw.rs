@@ -171,8 +171,8 @@ fn draw_thick(
     }
 }
 
-/// Returns linear colors from bright at the source to dark far away. The darkest shades are left out, since
-/// dark lines would not be visible on them.
+/// Returns linear colors from bright at the source to dark far away. The darkest shades are left out, since dark lines
+/// would be invisible on them.
 pub fn palette() -> Vec<[f32; 4]> {
     let linear = |channel: u8| {
         let channel = f32::from(channel) / 255.0;

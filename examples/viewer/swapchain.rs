@@ -8,7 +8,7 @@ use crate::memory::{Image, ImageUse, whole};
 
 const DEPTH: vk::Format = vk::Format::D32_SFLOAT;
 
-/// Parts that stay when the size changes.
+/// Parts that do not depend on the window's size.
 pub struct Target {
     pub format: vk::SurfaceFormatKHR,
     pub samples: vk::SampleCountFlags,

@@ -36,7 +36,7 @@ const SUN: Vec3 = Vec3::new(-0.52, 0.66, 0.40);
 const OWN_SUN: Vec3 = Vec3::new(-0.35, 0.40, 1.00);
 const OWN_SKY: Vec3 = Vec3::new(0.0, 0.6, 0.8);
 
-/// The values that change from frame to frame, apart from the camera.
+/// Values that change from frame to frame, except for the camera.
 pub struct Driven {
     /// Pointer in pixels from the upper left.
     pub pointer: Vec2,

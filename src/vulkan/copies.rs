@@ -17,7 +17,7 @@ use super::{TexelChart, VulkanError};
 use crate::constants::{COPIES_TOGETHER, COPY_TEXEL_WORDS, LAYERS};
 use crate::surface::{Chart, Glued, Groups, Ring};
 
-/// The value of `next_round` if no round of tiles follows an exchange.
+/// Value of `next_round` if no round of tiles follows an exchange.
 pub(crate) const NO_ROUND: i32 = -1;
 
 /// Alignment of a list by rows, in words. It suits the offsets of storage buffers on every device.
@@ -26,7 +26,7 @@ const ALIGNMENT: usize = 64;
 /// Number of words of the earliest front of a part: its time and the value that it carries.
 const EARLIEST_WORDS: usize = 2;
 
-/// A list of the copies of points, in the layout in which shaders read it.
+/// List of the copies of points, in the layout in which shaders read it.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct CopyList {
     words: Vec<u32>,
@@ -151,7 +151,7 @@ fn bytes_of(words: &Range<usize>) -> (u64, u64) {
 
 const _: () = assert!(COPY_TEXEL_WORDS == 5);
 
-/// Returns the place of a grid point in the images as one word.
+/// Returns the position of a grid point in the images as one word.
 fn word_of_point(row: usize, col: usize) -> u32 {
     let before = TexelChart::POINTS_BEFORE;
     word(row as u32 + before, col as u32 + before)
@@ -213,8 +213,8 @@ impl Copies {
         self.list.by_rows.as_ref().map_or(0, |of| self.list.words[of.start])
     }
 
-    /// Returns the sets of a pass that finds copies of points in the list by rows, with a set of the host. Returns
-    /// `None` if there is no such list.
+    /// Returns the sets of a pass that finds copies of points in the list by rows, with a set of the host; `None` if
+    /// there is no such list.
     pub(crate) fn with_host(&self, set: vk::DescriptorSet) -> Option<Sets> {
         self.sets.with_host(set)
     }

@@ -156,8 +156,8 @@ pub fn points(places: &[[f64; 2]]) -> Sources {
     places.iter().fold(Sources::default(), |all, &[row, col]| all.and_point(row, col, 0.0))
 }
 
-/// Returns the distance in cells from a place of a square grid to the line where a function is zero, from the function's
-/// change over one cell.
+/// Returns the distance in cells from a place of a square grid to the line where a function is zero, from the
+/// function's change over one cell.
 pub fn cells_from_zero(points: usize, value: impl Fn([f64; 2]) -> f64, at: [f64; 2]) -> f64 {
     let change = |step: [f64; 2]| {
         let ahead = [0, 1].map(|k| (at[k] + step[k]).min((points - 1) as f64));

@@ -53,8 +53,8 @@ fn matrices_pass_seams_as_on_the_cpu() {
     }
 }
 
-/// Before a map of an uneven slowness converges, the last digit may decide which of two curved fronts a point keeps. From
-/// the corners of the hills nine points differ by 1.1e-3 after the fourth or fifth iteration, also on single maps.
+/// Before a map of an uneven slowness converges, the last digit may decide which of two curved fronts a point keeps.
+/// From the corners of the hills nine points differ by 1.1e-3 after the fourth or fifth iteration, also on single maps.
 #[test]
 fn every_exchange_of_a_matrix_is_one_of_its_twin() {
     let solver = vulkan_solver();

@@ -77,7 +77,7 @@ fn noisy_metric() -> Case {
     Case::from_middle("rough metric", metric.unwrap())
 }
 
-/// Returns several sources, a curve, a source at every point, and positions far from the origin, which keep their digits.
+/// Returns several sources, a curve, a source at every point, and positions far from the origin that keep their digits.
 fn many_sources_and_far_points() -> [Case; 4] {
     let surface = rough(90, 75, 0);
     let several = Sources::point(10.25, 20.5).and_point(80.0, 3.0, 4.5).and_point(10.5, 20.0, 1.0);

@@ -267,7 +267,7 @@ fn with_commands<T>(
     }
 }
 
-/// Gives the image, which is new, the layout in which wgpu samples it.
+/// Transitions the new image to the layout in which wgpu samples it.
 fn bring_into_layout(device: &ash::Device, commands: vk::CommandBuffer, image: vk::Image) {
     let range = vk::ImageSubresourceRange::default()
         .aspect_mask(vk::ImageAspectFlags::COLOR)

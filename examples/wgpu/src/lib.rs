@@ -34,7 +34,7 @@ pub fn open(
     Ok(pollster::block_on(adapter.request_device(&Default::default()))?)
 }
 
-/// Returns the place at which the front starts in a frame.
+/// Returns the source of the front in a frame.
 pub fn source(frame: u32) -> PointSource {
     PointSource::at(12.25 + 4.5 * frame as f32, 20.5 + 3.0 * frame as f32)
 }

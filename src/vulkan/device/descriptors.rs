@@ -183,8 +183,8 @@ impl CopySets {
         Ok(new)
     }
 
-    /// Returns the sets of a pass over a finished map that finds copies of points in the list by rows, with a set of the
-    /// host. Returns `None` if there is no such list.
+    /// Returns the sets of a pass over a finished map that finds copies of points in the list by rows, with a set of
+    /// the host; `None` if there is no such list.
     pub(crate) fn with_host(&self, set: vk::DescriptorSet) -> Option<Sets> {
         let surface = Some(self.by_rows).filter(|&surface| surface != vk::DescriptorSet::null())?;
         Some(Sets { surface, other: (HOST, set) })

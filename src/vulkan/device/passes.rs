@@ -264,7 +264,7 @@ impl From<Wavefront> for Variant {
 impl Variant {
     pub(crate) const COUNT: usize = 32 * Wavefront::ALL.len();
 
-    /// Returns all variants, in the order of their places among a pass's pipelines.
+    /// Returns all variants, in the order of their indices among a pass's pipelines.
     pub(crate) fn all() -> impl Iterator<Item = Self> {
         (0..32).flat_map(|bits| {
             let [splits, slowed, named, small_tiles, glued] =
@@ -278,7 +278,7 @@ impl Variant {
 /// Size of maps in the shared memory of workgroups; zeros for other passes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct MapSize {
-    /// Number of points for which there is room.
+    /// Largest number of points.
     pub(crate) room: u32,
     pub(crate) invocations: u32,
     /// Size of the maps, if the pipeline is for one size alone.
@@ -297,7 +297,7 @@ pub(crate) struct KnownSize {
 }
 
 impl Row {
-    /// Returns the place of the pipeline for a variant among all pipelines that the pass may have.
+    /// Returns the index of the pipeline for a variant among all pipelines that the pass may have.
     pub(crate) fn place_of(&self, variant: Variant) -> usize {
         let splits = self.shader.depends_on(Constant::Splits) && variant.splits;
         let wavefront = if self.depends_on_wavefront { variant.wavefront as usize } else { 0 };

@@ -145,7 +145,7 @@ impl PipelineStore {
     }
 }
 
-/// Returns the text with which the names of all files of a device begin.
+/// Returns the common prefix of the names of a device's files.
 fn device_name(properties: &vk::PhysicalDeviceProperties) -> String {
     format!("{:04x}-{:04x}-", properties.vendor_id, properties.device_id)
 }
@@ -172,8 +172,8 @@ fn read(file: &Path) -> Option<Vec<u8>> {
     (u64::from_le_bytes(*written) == digest(data)).then(|| data.to_vec())
 }
 
-/// Returns whether `data` begin with the header of this device's driver (`VkPipelineCacheHeaderVersionOne`).
-/// Not every driver checks the header.
+/// Returns whether `data` begin with the header of this device's driver (`VkPipelineCacheHeaderVersionOne`). Some
+/// drivers do not check the header.
 fn is_of(data: &[u8], properties: &vk::PhysicalDeviceProperties) -> bool {
     let words = [32, 1, properties.vendor_id, properties.device_id];
     let header = words.iter().flat_map(|word: &u32| word.to_le_bytes());

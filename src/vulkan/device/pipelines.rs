@@ -99,8 +99,8 @@ const SIZES_PUSHED: usize = 1 + PUSH_CONSTANT_BYTES as usize / size_of::<u32>();
 /// Guard that is kept as long as a pipeline for maps of one size is used.
 pub(crate) type InUse = Arc<()>;
 
-/// Number of pipelines for maps of one size beyond which unused pipelines are destroyed. So their number
-/// stays limited if a host computes maps of ever new sizes.
+/// Number of pipelines for maps of one size above which unused ones are destroyed. It limits their number if a host
+/// keeps computing maps of new sizes.
 const SIZES_KEPT: usize = 16;
 
 impl Pipelines {
@@ -386,7 +386,7 @@ impl Pipelines {
     }
 }
 
-/// Returns the place of the layout with room for `bytes` bytes of push constants.
+/// Returns the index of the layout for `bytes` bytes of push constants.
 fn words(bytes: u32) -> usize {
     bytes as usize / size_of::<u32>()
 }

@@ -115,8 +115,8 @@ pub fn unmet(instance: &ash::Instance, physical_device: vk::PhysicalDevice) -> V
 pub const FOR_VULKAN_1_0: &str = "its instance was created for Vulkan 1.0, but 1.1 is needed: request it in \
                                          VkApplicationInfo::apiVersion";
 
-/// Returns whether a device lacks the functions of Vulkan 1.1. That is so if its instance was created for
-/// 1.0, whatever the driver supports.
+/// Returns whether a device lacks the functions of Vulkan 1.1, as it does if its instance was created for 1.0, whatever
+/// the driver supports.
 pub fn is_for_vulkan_1_0(instance: &ash::Instance, device: &ash::Device) -> bool {
     let name = c"vkTrimCommandPool".as_ptr();
     // SAFETY: the device is from this instance.

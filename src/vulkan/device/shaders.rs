@@ -33,7 +33,7 @@ impl Shader {
         }
     }
 
-    /// Returns whether another shader has as many bindings and specialization constants, and pushes as much.
+    /// Returns whether another shader has equal numbers of bindings, specialization constants and pushed bytes.
     pub(crate) const fn is_like(&self, other: &Self) -> bool {
         self.bindings.len() == other.bindings.len()
             && self.sees_host == other.sees_host

@@ -42,7 +42,7 @@ impl Staging {
         (self.buffer.buffer, (half * self.half) as u64)
     }
 
-    /// Returns the place of the bytes after the halves, as the source of a copy.
+    /// Returns the buffer and the offset of the bytes after the halves, as the source of a copy.
     pub(crate) fn further_at(&self) -> (vk::Buffer, u64) {
         self.at(HALVES)
     }

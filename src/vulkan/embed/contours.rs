@@ -101,8 +101,8 @@ creation! {
     /// Creates contours of a surface, with room for `vertices` vertices. A segment has two of them. The
     /// memory takes 24 bytes per vertex and 260 bytes per row of the grid.
     contours;
-    /// The buffer is used from its first byte. [`Contours::buffer_bytes`] returns the size that it needs. Its usages are
-    /// `STORAGE_BUFFER` and those of its readers, such as `VERTEX_BUFFER`, `INDIRECT_BUFFER` or
+    /// The buffer is used from its first byte. [`Contours::buffer_bytes`] returns the size that it needs. Its usages
+    /// are `STORAGE_BUFFER` and those of its readers, such as `VERTEX_BUFFER`, `INDIRECT_BUFFER` or
     /// `SHADER_DEVICE_ADDRESS`.
     contours_into;
 }

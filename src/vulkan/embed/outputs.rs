@@ -178,7 +178,7 @@ pub(super) struct OutputInfo {
     pub(super) passes: u32,
 }
 
-/// Memory of the host that takes the place of an output's own.
+/// Memory of the host in place of an output's own.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum HostMemory {
     Buffer(vk::Buffer),
@@ -291,9 +291,9 @@ impl<K> Output<K> {
         }
     }
 
-    /// Binds the surface's current points and sources, and `buffer` as the output, by a version of the descriptor sets
-    /// that no tracked recording in flight uses. Also chooses the passes that lift curves to the points again, since
-    /// the points may have moved from a buffer to an image.
+    /// Binds the surface's current points and sources, and `buffer` as the output, to a version of the descriptor sets
+    /// that no tracked recording in flight uses. Also selects the passes that lift curves anew, since the points may
+    /// have moved from a buffer to an image.
     fn bind(
         &mut self,
         device: &ash::Device,
@@ -400,7 +400,7 @@ impl<K> Output<K> {
         Ok(recording.sources_in(sources, sets[0], |number| sets[1 + number]))
     }
 
-    /// Notes that all commands recorded so far use the output, up to its last pass.
+    /// Notes that the commands recorded so far, which end with the output's last pass, use the output.
     pub(super) fn end(&self, recording: &Recording) {
         if let Some(sets) = &self.sets {
             sets.are_used(recording.note());

@@ -96,7 +96,7 @@ impl FrameSurface {
         self.results[slot] = image;
         Ok(())
     }
-    /// Replaces the content of an input of the surface, or returns an error if all of its descriptor sets are in flight.
+    /// Replaces the content of an input of the surface. Returns an error if all of its descriptor sets are in flight.
     fn replace(
         &mut self,
         device: &ash::Device,

@@ -301,8 +301,8 @@ impl Solver {
         made.filter(|_| have_surroundings(schedule, variant.wavefront))
     }
 
-    /// Creates the pipelines that surfaces with some properties need, for all schedules and wavefronts that the solver has
-    /// or will have.
+    /// Creates the pipelines that surfaces with these properties need, for all present and future schedules and
+    /// wavefronts of the solver.
     pub(super) fn make_passes_for(
         &self,
         device: &ash::Device,

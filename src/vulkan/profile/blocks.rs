@@ -10,8 +10,8 @@ use crate::vulkan::schedules::progress::VISITS;
 /// Consecutive blocks of lines in the scans of one iteration. The device decides which of them are due.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Blocks {
-    /// Order of the blocks. A scan that takes several blocks in a dispatch has a single workgroup, which runs even if no
-    /// block is due.
+    /// Order of the blocks. A scan that takes several blocks in a dispatch has a single workgroup, which runs even if
+    /// no block is due.
     pub(super) order: Iteration,
     /// Number of texels of a line that a workgroup visits.
     pub(super) group: u32,

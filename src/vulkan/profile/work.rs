@@ -100,7 +100,7 @@ impl Work {
         }
     }
 
-    /// Returns this work with what is known of the bytes of a pass that visits no texels.
+    /// Returns this work plus the known bytes of a pass that visits no texels.
     pub(crate) fn and_bytes(self, other: Self) -> Self {
         let sum = |a: Option<u64>, b: Option<u64>| Some(a? + b.unwrap_or(0));
         Self {
@@ -110,7 +110,7 @@ impl Work {
         }
     }
 
-    /// Returns what is known of the bytes of two passes that visit no texels.
+    /// Returns the known bytes of two passes that visit no texels.
     pub(super) fn and_known_bytes(self, other: Self) -> Self {
         let sum = |a: Option<u64>, b: Option<u64>| a.map_or(b, |a| Some(a + b.unwrap_or(0)));
         Self {

@@ -36,7 +36,8 @@ impl Recorder<'_> {
     }
 
     /// Writes seeds to their texels in image 0. `count` texels with seeds are in the upload buffer. The pass also makes
-    /// the tiles or blocks of lines around them due, for the passes that `follows` names ([`crate::vulkan::Schedule::follows`]).
+    /// the tiles or blocks of lines around them due, for the passes that `follows` names
+    /// ([`crate::vulkan::Schedule::follows`]).
     pub(crate) fn seed(&self, count: u32, follows: u32) {
         // The pass reads a texel's seeds and its fronts, and writes its fronts.
         let fronts = 16 * u64::from(LAYERS);

@@ -1,8 +1,8 @@
-//! The two queues of the renderer, and where a device has them.
+//! The two queues of the renderer, and their families and indices on a device.
 
 use geosweep::ash::{self, vk};
 
-/// A queue by the device's numbers.
+/// Queue, by its family and its index in the family.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Place {
     pub family: u32,
@@ -28,7 +28,7 @@ impl HostQueue {
     }
 }
 
-/// Returns the places of the main queue and of the second queue.
+/// Returns the family and the index of the main queue and of the second queue.
 pub fn of(instance: &ash::Instance, physical_device: vk::PhysicalDevice) -> [Place; 2] {
     let families = unsafe { instance.get_physical_device_queue_family_properties(physical_device) };
     choose(&families).expect("the tests need a queue for compute and graphics")

@@ -1,5 +1,5 @@
-//! Commands of frames, counted while they are recorded, and bytes that their passes have moved. docs/frame-costs.md lists
-//! the commands of each label of a frame, as a tool shows them that captures it, and the costs of whole frames.
+//! Commands of frames, counted while they are recorded, and bytes that their passes have moved. docs/frame-costs.md
+//! lists the commands of each label of a frame, as a capture tool shows them, and the costs of whole frames.
 
 use std::ffi::{CStr, c_char, c_void};
 use std::fmt::Write;
@@ -109,7 +109,7 @@ unsafe extern "system" fn name_object(
 /// Function that finds the device's own functions.
 static REAL: OnceLock<vk::PFN_vkGetDeviceProcAddr> = OnceLock::new();
 
-/// Returns own functions for those of `VK_EXT_debug_utils`, and the device's otherwise.
+/// Returns replacements for the functions of `VK_EXT_debug_utils`, and the device's own functions otherwise.
 unsafe extern "system" fn debug_utils(
     device: vk::Device,
     name: *const c_char,

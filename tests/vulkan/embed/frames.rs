@@ -64,7 +64,7 @@ const ROOM: u32 = 8192;
 /// Mode in which queue families access the resources of both queues.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Way {
-    /// There is one queue, and a frame is one command buffer. Only with two queues, contours are found too.
+    /// One queue, and one command buffer per frame. Contours are found only with two queues.
     OneQueue,
     /// Images and the host's buffers are created for both families.
     Shared,

@@ -48,7 +48,7 @@ fn an_outcome_before_the_fence_is_absent() {
     stage.end([]);
 }
 
-/// This holds with checks and several slots. With one slot, the device waits for the earlier reader.
+/// The error requires checks and several slots. With one slot, the device waits for the earlier reader.
 #[test]
 fn a_slot_in_flight_is_not_recorded_again() {
     let mut host = Host::new();

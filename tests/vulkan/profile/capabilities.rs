@@ -25,7 +25,7 @@ fn a_device_that_lacks_something_still_gives_the_rest() {
                 assert!(reason.to_string().starts_with("not available on this device ("));
             }
         }
-        // What a single capability adds does not depend on the schedule.
+        // A single capability adds the same with every schedule.
         let schedules = if left_out.len() == 1 { &[Schedule::Tiles][..] } else { &Schedule::ALL };
         for &schedule in schedules {
             let method = method(Wavefront::Curved, schedule);
@@ -57,7 +57,7 @@ fn a_device_that_lacks_something_still_gives_the_rest() {
     }
 }
 
-/// A host asks for the capabilities before it creates its device.
+/// A host queries the capabilities before it creates its device.
 #[test]
 fn capabilities_say_what_there_is() {
     let host = Host::without_validation();

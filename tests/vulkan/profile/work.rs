@@ -228,11 +228,11 @@ fn bytes_agree_with_a_count_by_hand() {
     }
 }
 
-/// The progress has 924 numbers: 16 for the state of a map, one for each scan's blocks past the middle, six for each of 128 rounds and for the next one, the largest change of each of 128 rounds,
-/// whether a point was reached, and how many texels were settled. A tile has six numbers. For raster scans, each
-/// block has three numbers for each scan; a scan has the blocks of the grid's longer side, and one more at each end.
-/// A count reads seven numbers and writes five, in the last iteration one more; after the last iteration, it reads
-/// one.
+/// The progress has 924 numbers: 16 for the state of a map, one for each scan's blocks past the middle, six for each of
+/// 128 rounds and for the next one, the largest change of each of 128 rounds, whether a point was reached, and how many
+/// texels were settled. A tile has six numbers. For raster scans, each block has three numbers for each scan; a scan
+/// has the blocks of the grid's longer side, and one more at each end. A count reads seven numbers and writes five, in
+/// the last iteration one more; after the last iteration, it reads one.
 #[test]
 fn counts_and_starts_agree_with_a_count_by_hand() {
     let mut bench = Bench::new(61, 90);

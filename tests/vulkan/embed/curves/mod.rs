@@ -78,7 +78,7 @@ impl Scene {
     }
 }
 
-/// Returns a map as if the engine had returned it.
+/// Returns a map in the form in which the engine returns it.
 pub fn map_of(chart: Chart, distances: Vec<f32>) -> DistanceMap {
     DistanceMap::new(chart, distances, Report::new(UsedEngine::Vulkan, Wavefront::Curved))
 }

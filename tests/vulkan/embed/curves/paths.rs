@@ -132,8 +132,8 @@ fn lengths_are_the_distances() {
     }
 }
 
-/// The rows of a plane have steps of two lengths in turn, grow, or begin with half a step, as beside a pole at the middle
-/// of a cell. The bounds are those of even grids.
+/// The rows of a plane have steps of two lengths in turn, grow, or begin with half a step, as beside a pole at the
+/// middle of a cell. The bounds are those of even grids.
 #[test]
 fn paths_over_uneven_rows_are_straight() {
     let (rows, cols) = (40, 60);
