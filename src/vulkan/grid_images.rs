@@ -234,7 +234,7 @@ impl GridImages {
         bytemuck::cast_slice(&self.outcome.read()[..count * size_of::<Record>()])
     }
 
-    /// Returns whether there is room for a slowness beside the Gaussian curvature.
+    /// Returns whether the images have space for a slowness in addition to the Gaussian curvature.
     pub(crate) fn is_slowed(&self) -> bool {
         self.slowed
     }
@@ -244,7 +244,7 @@ impl GridImages {
         if self.staging.is_some() { HALVES } else { 1 }
     }
 
-    /// Returns the halves that successive bands use, in turn and without end.
+    /// Returns the halves that successive bands use alternately, without end.
     pub(crate) fn halves_in_turn(&self) -> impl Iterator<Item = usize> + use<> {
         (0..self.halves()).cycle()
     }
@@ -405,8 +405,7 @@ fn buffer_infos(
     .map(|(name, size, location)| BufferInfo { name, size: size as u64, location })
 }
 
-/// Returns the names and sizes of the staging buffers: the size of a half, and the size of what follows both
-/// halves.
+/// Returns the names and sizes of the staging buffers: the size of a half, and the size of the bytes after both halves.
 fn staging_infos(chart: Chart) -> [(&'static str, (usize, usize)); 2] {
     let upload = upload_bytes(chart, transfer_bytes(chart));
     let read_back = distance_bytes(chart, staged_bytes(chart));

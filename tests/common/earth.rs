@@ -12,7 +12,7 @@ const OPPOSITE: f64 = 1.9e7;
 pub const SOURCES: [[f64; 2]; 5] =
     [[0.0, 0.0], [13.0, 52.0], [180.0, -40.0], [75.0, 89.0], [0.0, -90.0]];
 
-/// Returns `count` numbers of degrees, which begin with `first` and are `step` apart.
+/// Returns `count` numbers of degrees, from `first` on, in steps of `step`.
 pub fn lines(count: usize, first: f64, step: f64) -> Vec<f64> {
     (0..count).map(|k| first + step * k as f64).collect()
 }
@@ -32,7 +32,7 @@ impl Earth {
         Self { grid, latitudes, longitudes, surface }
     }
 
-    /// Returns the whole Earth, with lines this many degrees apart.
+    /// Returns the whole Earth, with lines at this step in degrees.
     pub fn whole(step: f64) -> Self {
         let (rows, cols) = ((180.0 / step).round() as usize, (360.0 / step).round() as usize);
         Self::new(lines(rows + 1, 90.0, -step), lines(cols + 1, -180.0, step))

@@ -42,7 +42,7 @@ pub(crate) const PASS: Access = (
 );
 pub(crate) const HOST_READ: Access = (vk::PipelineStageFlags::HOST, vk::AccessFlags::HOST_READ);
 
-/// Passes and the host, after a copy that the host reads while the map goes on.
+/// Passes and the host, after a copy that the host reads while the map continues.
 pub(crate) const PASS_AND_HOST: Access = (
     vk::PipelineStageFlags::from_raw(PASS.0.as_raw() | HOST_READ.0.as_raw()),
     vk::AccessFlags::from_raw(PASS.1.as_raw() | HOST_READ.1.as_raw()),

@@ -79,7 +79,7 @@ pub(crate) struct Contents<'a> {
     /// Points, seeds and anchors, or fans.
     pub(crate) points: Option<&'a Buffer>,
     pub(crate) progress: &'a Buffer,
-    /// Tiles, or maps that are kept.
+    /// Tiles, or stored maps.
     pub(crate) tiles: Option<&'a Buffer>,
     /// Blocks of lines, or distances of maps in shared memory.
     pub(crate) blocks: &'a Buffer,

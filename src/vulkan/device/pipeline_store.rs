@@ -24,7 +24,7 @@ pub struct PipelineStore {
     digest: Option<u64>,
 }
 
-/// Environment variable that names a folder in place of the folder that the program has set.
+/// Environment variable with a folder that replaces the one that the program has set.
 const VARIABLE: &str = "GEOSWEEP_PIPELINES";
 
 /// Folder that the program has set for the pipelines of headless solvers.

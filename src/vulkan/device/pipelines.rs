@@ -96,7 +96,7 @@ struct Sized {
 /// Number of possible counts of pushed words.
 const SIZES_PUSHED: usize = 1 + PUSH_CONSTANT_BYTES as usize / size_of::<u32>();
 
-/// Guard that is kept as long as a pipeline for maps of one size is used.
+/// Guard that is held as long as a pipeline for maps of one size is used.
 pub(crate) type InUse = Arc<()>;
 
 /// Number of pipelines for maps of one size above which unused ones are destroyed. It limits their number if a host

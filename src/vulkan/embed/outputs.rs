@@ -1,5 +1,5 @@
-//! Outputs of a frame beside the image of distances: contours, paths, regions, directions and log maps. Each has a
-//! buffer that its passes write, and perhaps an image to which the buffer is copied.
+//! Outputs of a frame in addition to the image of distances: contours, paths, regions, directions and log maps. Each
+//! has a buffer that its passes write, and perhaps an image to which the buffer is copied.
 
 use ash::vk;
 
@@ -162,7 +162,7 @@ impl<'a, R> SourceFrame<'a, R> {
     }
 }
 
-/// Memory of an output, and inputs of its passes beside the map.
+/// Memory of an output, and inputs of its passes in addition to the map.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct OutputInfo {
     /// Buffer that the passes write. Its name is that of the output, in errors and debugging tools.

@@ -36,8 +36,8 @@ pub struct SurfaceInfo<'a> {
     pub chart: Chart,
     /// Rule by which edges are measured.
     pub edge_rule: EdgeRule,
-    /// Number of frames in flight, at least 1. The surface has as many images of distances and records of
-    /// outcomes, which frames write in turn.
+    /// Number of frames in flight, at least 1. The surface has one image of distances and one record of the outcome
+    /// for each; frames write them in turn.
     pub slots: usize,
     /// Queue families that use the images of distances and the packed times: the family of the queue to which
     /// recordings are submitted and the families of the readers, which may be the same. If this lists
@@ -113,7 +113,7 @@ impl<'a> SurfaceInfo<'a> {
         Ok(Some(Glued::of_grid(self.chart, gluing).map_err(SurfaceError::from)?))
     }
 
-    /// Checks the parameters, and returns what follows from them.
+    /// Checks the parameters, and returns the values that follow from them.
     fn wanted<'f>(&self, solver: &Solver, families: &'f [u32]) -> Result<Wanted<'f>, VulkanError> {
         self.check()?;
         let size = (self.chart, solver.limits.texels(self.chart)?);
@@ -425,7 +425,7 @@ impl FrameSurface {
         self.flight.discard_commands(commands);
     }
 
-    /// Returns the largest number of passes of a frame beside those of its plan.
+    /// Returns the largest number of passes of a frame in addition to those of its plan.
     pub(super) fn passes_around(&self) -> u32 {
         let (chart, is_glued) = (self.grid.chart, u32::from(self.grid.copies.is_some()));
         let wide = self.grid.lattice.with_halo(chart);

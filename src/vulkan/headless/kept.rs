@@ -80,7 +80,7 @@ pub(crate) fn with_device<T>(
     Ok(solved)
 }
 
-/// Leaves a device open for the next call if devices are kept, and closes it otherwise.
+/// Leaves a device open for the next call if devices stay open, and closes it otherwise.
 fn keep(choice: &DeviceChoice, solver: HeadlessSolver) {
     if lock().is_none() {
         return;
@@ -110,7 +110,7 @@ mod tests {
     use super::*;
     use crate::{Engine, Options, Sources, Spacing, Surface, distance_map};
 
-    /// Returns the idle devices of a choice, if devices are kept.
+    /// Returns the idle devices of a choice, if devices stay open.
     fn idle(choice: &DeviceChoice) -> Option<Vec<vk::Device>> {
         let idle = lock();
         let of_choice = |device: &&Idle| device.choice == *choice;

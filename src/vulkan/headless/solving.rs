@@ -498,7 +498,7 @@ fn write_seeds(seeds: &[SeedTexel], images: &mut GridImages) -> u32 {
     seeds.len() as u32
 }
 
-/// Largest number of passes in a submission beside the steps of a plan: copies of the device's decisions, and
+/// Largest number of passes in a submission in addition to the steps of a plan: copies of the device's decisions, and
 /// of the outcome of the iterations.
 const PASSES_AROUND: u32 = 8;
 

@@ -1,4 +1,4 @@
-//! Holds a surface on a device, with what its maps need beside the solver's pipelines.
+//! Holds a surface on a device, with the resources of its maps other than the solver's pipelines.
 
 use std::sync::Arc;
 
@@ -45,7 +45,7 @@ pub struct SurfaceOnDevice {
 pub(in crate::vulkan) enum Start {
     /// All points are unreached.
     Fresh,
-    /// The last map is kept.
+    /// Points have the fronts of the last map.
     FromLast,
 }
 

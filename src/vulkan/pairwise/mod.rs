@@ -102,8 +102,8 @@ impl PairwiseOnDevice {
     /// current submission, and its rows are incomplete.
     ///
     /// # Panics
-    /// If this was made for another solver or another surface, if `into` does not have as many rows as
-    /// sources and as many values a row as points, or if a source is not a grid point.
+    /// If this was made for another solver or another surface, if `into` does not have a row for each source and a
+    /// value a row for each point, or if a source is not a grid point.
     pub fn solve(
         &mut self,
         solver: &HeadlessSolver,
@@ -312,7 +312,7 @@ struct Rows<'a> {
     half: usize,
 }
 
-/// Largest number of passes in a submission beside scans and counts: copies, the first texels, their exchange,
+/// Largest number of passes in a submission in addition to scans and counts: copies, the first texels, their exchange,
 /// and iterations in shared memory.
 const PASSES_AROUND: u32 = 6;
 

@@ -126,9 +126,9 @@ mod tests {
         HeadlessSolver::with(context).unwrap()
     }
 
-    /// Checks that a second matrix of the same size creates no pipelines, and that one of another size
-    /// creates at most the one for maps in shared memory. Of the pipelines for maps in shared memory a
-    /// limited number is kept, and those in use are always kept.
+    /// Checks that a second matrix of the same size creates no pipelines, and that one of another size creates at most
+    /// the one for maps in shared memory. Of the pipelines for maps in shared memory, a limited number stays, and those
+    /// in use always stay.
     #[test]
     fn matrices_share_the_pipelines_of_the_device() {
         let solver = counted();

@@ -156,7 +156,7 @@ impl PassRecord {
         self.invocations = self.invocations.zip(next.invocations).map(|(a, b)| a + b);
     }
 
-    /// Returns one record for all passes of a portion, with what is known of the work of each.
+    /// Returns one record for all passes of a portion, with the known work of each.
     pub(super) fn of_portion(passes: &[Self]) -> Self {
         let mut all = Self { kind: PassKind::Portion, iteration: None, ..passes[0] };
         passes[1..].iter().for_each(|pass| all.absorb(pass));

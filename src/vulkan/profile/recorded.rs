@@ -1,4 +1,4 @@
-//! Observes a recording: writes timestamps at the ends of its passes and keeps what is known of their work.
+//! Observes a recording: writes timestamps at the ends of its passes and stores what is known of their work.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -20,7 +20,7 @@ use crate::vulkan::schedules::plan::Step;
 pub struct Profile {
     pub(super) slots: Slots,
     grain: Grain,
-    /// Number of passes for which there is room.
+    /// Capacity in passes.
     room: usize,
     taken: Mutex<Taken>,
 }
@@ -179,7 +179,7 @@ impl Profile {
         }
     }
 
-    /// Returns the place to which the decisions of this portion are copied, if there is room.
+    /// Returns the buffer and the offset to which the decisions of this portion are copied, if they fit.
     fn decisions(&self) -> Option<(vk::Buffer, u64)> {
         let Decided { buffer, offset, portions } = self.slots.decisions?;
         let number = self.taken().portions;

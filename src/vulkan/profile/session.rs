@@ -19,7 +19,7 @@ use crate::vulkan::device::memory::{Buffer, BufferInfo};
 use crate::vulkan::headless::context::{CommandBuffer, Context, Submitter};
 use crate::vulkan::record::{Observer, PassKind};
 
-/// Choice of what is observed while a map is computed, in addition to times.
+/// Choice of observations of a map in addition to times.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Detail {
     /// Coarseness of the records.

@@ -177,7 +177,7 @@ fn a_moving_tube_stays_closed() {
     stage.end(buffers.into_iter().map(|(buffer, _)| buffer));
 }
 
-/// Points come from an image, and have a slowness that goes on over the seam.
+/// Points come from an image, and have a slowness that continues over the seam.
 #[test]
 fn slow_points_in_an_image_pass_seams() {
     let surface = tube(33, 49);

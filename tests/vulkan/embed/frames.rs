@@ -54,7 +54,7 @@ const DRAW: &str = "
         picture[id.x] = textureLoad(distances, vec2<u32>(col, row), 0).r;
     }";
 
-/// Returns the access by which maps and vertices are read where they are drawn.
+/// Returns the access by which drawing reads maps and vertices.
 pub fn read() -> Access {
     Access::COMPUTE_READ.and(Access::TRANSFER_READ)
 }
@@ -83,7 +83,7 @@ pub struct Renderer {
     pub frames: Vec<InFlight>,
 }
 
-/// Resources of one frame in flight. Frames in flight share none, so that fences alone keep frames apart.
+/// Resources of one frame in flight. Frames in flight share none, so fences alone separate frames.
 pub struct InFlight {
     pub phase: HostBuffer,
     vertices: HostBuffer,

@@ -20,7 +20,7 @@ const CHART: Chart = Chart { rows: 31, cols: 45 };
 /// their twin.
 const SAME: f64 = 1e-5;
 
-/// Returns the surface of some vertices, with holes where a coordinate is no usable number.
+/// Returns the surface of some vertices, with holes where a coordinate is not a usable number.
 fn positions(vertices: &[f32]) -> Surface {
     let usable = |x: f32| if x.abs() <= 1e12 { f64::from(x) } else { f64::NAN };
     let position = |v: &[f32]| DVec3::new(usable(v[0]), usable(v[1]), usable(v[2]));

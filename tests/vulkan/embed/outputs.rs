@@ -16,7 +16,7 @@ use crate::host::{Host, HostBuffer};
 
 const CHART: Chart = Chart { rows: 23, cols: 36 };
 
-/// Images that use the same memory, one after another.
+/// Images that alias the same memory, one after another.
 struct Aliases {
     images: Vec<HostImage>,
     memory: vk::DeviceMemory,

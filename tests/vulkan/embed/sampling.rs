@@ -50,7 +50,7 @@ fn places() -> Vec<[f64; 2]> {
     eighths(2, ROWS - 3).flat_map(|row| cols.iter().map(move |&col| [row, col])).collect()
 }
 
-/// Runs a frame that ends at `limit`. Returns what is read at each place: by the sampler, and by four texels.
+/// Runs a frame that ends at `limit`. Returns the two values read at each place: by the sampler, and by four texels.
 fn read(stage: &mut Stage, limit: MapLimit, places: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let plan = stage.plan(Schedule::Raster, Wavefront::Curved, 16).over_seams();
     let own = source(FROM[0] as f32, FROM[1] as f32);

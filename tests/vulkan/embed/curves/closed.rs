@@ -54,7 +54,7 @@ fn scene(surface: &Surface, gluing: &Gluing, sources: &[PointSource]) -> Scene {
     Scene { stage, map: map_of(surface.chart(), map) }
 }
 
-/// Returns how often a path goes on at a copy of its place, and checks that the copy is the same place.
+/// Returns how often a path continues at a copy of its place, and checks that the copy is the same place.
 fn crossings(name: &str, drawn: &[CurveVertex]) -> usize {
     let is_jump = |pair: &&[CurveVertex]| {
         let [a, b] = [pair[0], pair[1]];
