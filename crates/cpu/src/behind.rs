@@ -1,4 +1,4 @@
-//! Describes what lies behind a point as a scan passes it: three neighbours and the triangles between them.
+//! Neighbours behind a point in a scan: the three points that the scan has just passed, and their triangles.
 
 use super::scan::Scan;
 use geosweep_surface::update::Triangle;
@@ -54,13 +54,13 @@ impl Behind {
     }
 }
 
-/// The positions of a triangle's two other corners and of its edges, relative to its point x0.
+/// Positions of a triangle's corners x1 and x2 and of its edges, relative to its corner x0.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TriangleSlots {
     /// The directions of x1 and x2.
     directions: [Direction; 2],
-    /// The index of the corner (0 for x1, 1 for x2) that is the neighbour along an axis of the grid. The
-    /// other one is across a diagonal.
+    /// Index of the corner (0 for x1, 1 for x2) that is a neighbour along a grid axis. The other corner is a diagonal
+    /// neighbour.
     axis: usize,
     x1: Offset,
     x2: Offset,
@@ -122,7 +122,7 @@ impl TriangleSlots {
         Triangle { t1, t2, l1, l2, c }
     }
 
-    /// Returns whether the edge to the neighbour along a grid axis is missing.
+    /// Returns whether the neighbour along a grid axis has no edge to x0.
     #[inline]
     pub(super) fn is_alone<R: Real>(&self, triangle: Triangle<R>) -> bool {
         [triangle.l1, triangle.l2][self.axis] >= R::FAR

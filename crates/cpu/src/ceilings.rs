@@ -1,5 +1,5 @@
-//! Measures the best rates that the CPU can reach. Compared with these ceilings, a map's time shows what
-//! bounds it. Solvers do not use them.
+//! Measures the best rates that the CPU can reach. Comparing a map's time with them shows what limits its speed.
+//! Solvers do not use them.
 
 use std::sync::Barrier;
 use std::time::{Duration, Instant};
@@ -15,7 +15,7 @@ use super::scan::{Scan, UpdateOptions};
 use geosweep_surface::update::Wavefront;
 use geosweep_surface::{EdgeLengths, Real, Spacing, Surface};
 
-/// The best rates of some threads in single precision.
+/// Best rates of several threads in single precision.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CpuCeilings {
     /// Number of threads that run in parallel.
@@ -23,9 +23,9 @@ pub struct CpuCeilings {
     /// Bytes per second, read plus written, of copies of 32 MiB for each thread. Copies of this size may fit
     /// a large cache.
     pub copy: f64,
-    /// Updates from one triangle per second, by wavefront ([`Wavefront::FOR_ANY_SURFACE`]), for a line of
-    /// points that stays in the nearest cache, with the best available instructions. Each point counts as two
-    /// updates, even if one of its triangles is skipped because it brings nothing.
+    /// Updates from one triangle per second, by wavefront ([`Wavefront::FOR_ANY_SURFACE`]), for a line of points that
+    /// stays in the nearest cache, with the best available instructions. Each point counts as two updates, even if one
+    /// of its triangles is skipped.
     pub triangles: [f64; Wavefront::FOR_ANY_SURFACE.len()],
 }
 
@@ -33,7 +33,7 @@ pub struct CpuCeilings {
 const COPIED: usize = 8 << 20;
 /// Number of points of a line. With all their data they take about 12 KiB.
 const POINTS: usize = 256;
-/// Minimum duration of a measurement. Work is repeated until it has passed.
+/// Minimum duration of a measurement. The work is repeated for at least this time.
 const LONG_ENOUGH: Duration = Duration::from_millis(20);
 /// Number of repeated measurements. The shortest counts, since other work only adds time.
 const TRIES: usize = 3;
@@ -66,7 +66,7 @@ impl CpuCeilings {
     }
 }
 
-/// Returns how many times a second all threads together do some work.
+/// Returns the rate, per second, at which all threads together repeat some work.
 fn rate<W: FnMut()>(threads: usize, work: impl Fn() -> W + Sync) -> f64 {
     let together = Barrier::new(threads);
     let of_thread = || {
@@ -90,7 +90,7 @@ fn rate<W: FnMut()>(threads: usize, work: impl Fn() -> W + Sync) -> f64 {
     })
 }
 
-/// Two rows of a plane. The second row is updated from the first one again and again.
+/// Two rows of a plane. The second row is repeatedly updated from the first one.
 struct WarmLine<'a, K: LaneKind<f32>> {
     edges: &'a EdgeLengths<f32>,
     kind: K,

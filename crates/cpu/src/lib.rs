@@ -1,16 +1,15 @@
-//! Solves distance maps on the CPU: [`RotatedScan`] runs rotated raster scans in SIMD lanes. The
-//! point-by-point references that it is tested against are here too: directed scans, fast marching and, with
-//! the feature `twins`, the shaders' twins.
+//! Solves distance maps on the CPU: [`RotatedScan`] runs rotated raster scans in SIMD lanes. Its tests compare it with
+//! point-by-point references, also in this crate: directed scans, fast marching and, with the feature `twins`, the
+//! shaders' twins.
 //!
-//! All solvers share one update and one array layout, which has a border of points that are never reached.
-//! They converge to the same map. Single precision is for use, double precision for reference. Each kind of
-//! front has a file in `fronts/`, which says what the front is, how it starts, continues and is compared.
+//! All solvers share one update and one array layout, which has a border of points that are never reached. They
+//! converge to the same map. Single precision is for use, double precision for reference. Each kind of front has a file
+//! in `fronts/`, which defines its data, its start, its update and its comparison.
 //!
-//! [`RotatedScan`] updates a row from the row behind it, sixteen points at once with AVX-512
-//! (`line_update.rs`). Columns are updated as rows of a transposed panel of sixteen (`panel.rs`,
-//! `transposed.rs`). A scan visits only tiles beside which something has changed since it last passed
-//! (`tiles.rs`), and only if that change has an effect (`due.rs`). Large grids are scanned patch by patch, as
-//! fronts come to them, by all threads (`patches/`).
+//! [`RotatedScan`] updates a row from the row behind it, sixteen points at once with AVX-512 (`line_update.rs`).
+//! Columns are updated as rows of a transposed panel of sixteen (`panel.rs`, `transposed.rs`). A scan visits only tiles
+//! beside which something has changed since it last passed (`tiles.rs`), and only if that change has an effect
+//! (`due.rs`). On large grids, all threads scan patches in the order in which fronts reach them (`patches/`).
 
 mod behind;
 mod ceilings;

@@ -1,4 +1,4 @@
-//! Limits how far fronts go: by a time, and by the times at which they reach given points.
+//! Limits the travel of fronts: by a time, and by the times at which fronts reach given points.
 
 use geosweep_surface::FAR;
 use geosweep_surface::Targets;
@@ -6,13 +6,13 @@ use geosweep_surface::Targets;
 /// The time after which fronts do not matter.
 #[derive(Clone, Debug)]
 pub struct Limit {
-    /// Fronts that come later matter neither to the map nor to the targets.
+    /// Latest arrival time that matters to the map or to the targets.
     time: f64,
     targets: Option<Targets>,
 }
 
-/// Margin that is added to the targets' time, as a fraction of that time. A renewed front may come later than before,
-/// but by less than this margin.
+/// Margin added to the targets' time, as a fraction of that time. A renewed front may be later than before, but by less
+/// than this margin.
 const LATER: f64 = 1e-4;
 
 impl Limit {
@@ -25,7 +25,7 @@ impl Limit {
         Self { time, targets: None }
     }
 
-    /// Returns a limit that falls to the targets' time once fronts have reached them.
+    /// Returns a limit that falls to the targets' arrival time once fronts have reached all targets.
     #[doc(hidden)]
     pub fn to(targets: &Targets, time: f64) -> Self {
         Self { time, targets: Some(targets.clone()) }
@@ -36,7 +36,7 @@ impl Limit {
         self.time
     }
 
-    /// Returns the targets by which the limit falls.
+    /// Returns the targets whose times lower the limit.
     pub(crate) fn targets(&self) -> &[[usize; 2]] {
         self.targets.as_ref().map_or(&[], Targets::points)
     }

@@ -9,8 +9,8 @@ use geosweep_surface::constants::{CURVATURE_COUNTS, FIRST_REACHED, PATIENCE};
 use geosweep_surface::{Convergence, Stop};
 use geosweep_surface::{Real, min, relative_change};
 
-/// Returns how much a change of curvature counts, in units of the last place of the arrival time. `bend` is the size of
-/// the change times the arrival time. A change of any size counts less than a point's first front.
+/// Returns the weight of a change of curvature, in units of the last place of the arrival time. `bend` is the size of
+/// the change times the arrival time. Any change weighs less than a point's first front.
 #[inline(always)]
 pub fn bend_units<R: Real>(bend: R) -> R::Bits {
     min(bend * R::of(CURVATURE_COUNTS), R::one()).in_units()

@@ -17,7 +17,7 @@ use geosweep_surface::{Chart, Direction, EdgeLengths, Real, Surface, SurfaceErro
 #[derive(Clone, Debug)]
 pub struct Connections<R> {
     triangles: Vec<Split<R>>,
-    /// The triangles that have a point of the bordered array as x1 or x2 are
+    /// Start of each point's entries in `lookers`: the triangles with `point` as x1 or x2 are
     /// `lookers[first[point]..first[point + 1]]`.
     first: Vec<usize>,
     lookers: Vec<usize>,
@@ -39,7 +39,7 @@ struct Split<R> {
 /// A step in rows and columns.
 type Step = (isize, isize);
 
-/// Length of the farthest connection, in rows or columns. Over longer distances a front is not straight.
+/// Maximum length of a connection, in rows or columns. Over longer distances a front is not straight.
 const FARTHEST: isize = 8;
 
 impl<R: Real> Connections<R> {

@@ -112,8 +112,8 @@ fn by_triangles<R: Real, K: TriangleKind<R>>(
     march.fronts.finish(1, 0.0)
 }
 
-/// Solves over a floor plan exactly: each fixed point has been reached on its shortest path and has passed its anchor
-/// on to its neighbours. See `update/anchored.rs`.
+/// Solves a floor plan exactly: each fixed point is reached on its shortest path and passes its anchor on to its
+/// neighbours. See `update/anchored.rs`.
 fn by_anchors<R: Real>(
     edges: &EdgeLengths<R>,
     seeds: &[Seed],
@@ -135,7 +135,7 @@ fn by_anchors<R: Real>(
     march.fronts.finish(1, 0.0)
 }
 
-/// The fronts, flags of the fixed points, and the heap of the points that may be fixed next.
+/// State of a march: the fronts, flags of the fixed points, and a heap of the points that may be fixed next.
 struct March<R: Real, K: PointKind<R>> {
     fronts: PointFronts<R, K>,
     fixed: Vec<bool>,
@@ -184,7 +184,7 @@ impl<R: Real, K: PointKind<R>> March<R, K> {
         self.fixed[point]
     }
 
-    /// Returns the front at a point. A point that is not fixed counts as not reached.
+    /// Returns the front at a fixed point, or an unreached front if the point is not fixed.
     fn known(&self, point: usize) -> StoredFront<R, K::Carried> {
         let front = self.fronts.at(point);
         StoredFront { time: if self.fixed[point] { front.time } else { R::FAR }, ..front }

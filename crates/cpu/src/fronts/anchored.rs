@@ -27,7 +27,7 @@ pub(crate) struct Anchored<R> {
     floor: Floor<R>,
 }
 
-/// The front that a point keeps or that reaches it: its arrival time and its anchor.
+/// A front at a point, or one that reaches it: its arrival time and its anchor.
 type KeptAnchored<R> = StoredFront<R, Anchor<R>>;
 
 /// Flags of the scans that have a hole behind a point: one of the three neighbours behind is missing, or one of them is
@@ -76,7 +76,7 @@ impl<R: Real> Fronts<R> for Anchor<R> {
     type Arrival = KeptAnchored<R>;
 
     /// Accepts an arrival that is shorter than the present front by more than rounding. If the scan `renews`, an
-    /// arrival also replaces a front that the same scan brought before, unless both agree within rounding.
+    /// arrival also replaces an earlier front of the same scan, unless both agree within rounding.
     #[inline(always)]
     fn accept(
         kept: KeptAnchored<R>,
@@ -231,7 +231,7 @@ impl<R: Real> LaneKind<R> for Anchored<R> {
     }
 }
 
-/// Returns whether three neighbours behind a point have this anchor and no hole is near.
+/// Returns whether all three neighbours behind a point have this anchor and no hole is near.
 #[inline(always)]
 fn is_of_one<R: Real>(
     anchor: Anchor<R>,
@@ -242,10 +242,10 @@ fn is_of_one<R: Real>(
     a.is(anchor) & b.is(anchor) & c.is(anchor) & holes.is_none_for(scan)
 }
 
-/// A line of points with anchors.
+/// A line of points whose fronts have anchors.
 type AnchoredLine<'l, 'g, R> = ScanLine<'l, 'g, R, Anchor<R>, HolesBehind<R>>;
 
-/// Adjacent points of such a line.
+/// A span of adjacent points whose fronts have anchors.
 type AnchoredSpan<'a, R> = Span<'a, R, Anchor<R>, HolesBehind<R>>;
 
 /// Returns whether all three points behind point `i` have this anchor and no hole is near.
@@ -292,7 +292,7 @@ impl<R: Real> Brought<R> {
             wanted[i] = may_come(i);
             of_one[i] = has(span, i, anchors[i], scan);
         }
-        // Runs of points that have one anchor behind them are updated at once, all others one after another.
+        // Updates runs of points with one anchor behind them at once, and all other points one by one.
         let mut i = 0;
         while i < points {
             if !wanted[i] {

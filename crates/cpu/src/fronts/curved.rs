@@ -30,11 +30,11 @@ pub(crate) struct Curved<R> {
     origins: Origins,
     /// The origins whose numbers fronts carry.
     table: OriginTable<R>,
-    /// Whether seeds name their origins.
+    /// Whether seeds have origins.
     has_names: bool,
 }
 
-/// The front that a point keeps.
+/// A front stored at a point.
 type KeptCurved<R> = StoredFront<R, Curvature<R>>;
 
 impl<R: Real> Curved<R> {
@@ -48,10 +48,9 @@ impl<R: Real> Curved<R> {
         }
     }
 
-    /// Returns the time at which a seed's front arrives along the straight line from its origin, and the number of
-    /// the origin. Returns `None` if the seed has no numbered origin, or if its time does not agree with the line.
-    /// The length of the line is computed as in updates, so that this time and the times of updates agree up to
-    /// rounding.
+    /// Returns the arrival time of a seed's front along the straight line from its origin, and the number of the
+    /// origin. Returns `None` if the seed has no numbered origin, or if its time does not agree with the line. The
+    /// length of the line is computed as in updates, so that this time and the times of updates agree up to rounding.
     fn named(&mut self, seed: &Seed) -> Option<(R, R)> {
         // Lines of the chart end at seams.
         let is_open = self.edges.copies().is_none();
@@ -218,7 +217,7 @@ impl<R: Real> Fronts<R> for Curvature<R> {
     ///   from a preliminary curvature. A difference within rounding is no change ([`Front::is_same_as`]). Otherwise the
     ///   last digits of a distant front would spread from point to point, and all these points would be visited again.
     ///
-    /// In all other cases the present front stays, so that scans whose fronts arrive together do not replace each
+    /// In all other cases the present front stays. Otherwise scans whose fronts arrive together would replace each
     /// other's fronts forever.
     #[inline(always)]
     fn accept(kept: KeptCurved<R>, front: Front<R>, scan: u8, renews: bool) -> KeptCurved<R> {
@@ -499,8 +498,7 @@ fn earliest_of_both<
 pub(super) struct FirstFronts<R> {
     times: [R; TILE],
     curvatures: [R; TILE],
-    /// Flags, 1 where the front is whole. They are as wide as the numbers in the other arrays, for the sake of SIMD
-    /// lanes.
+    /// Flags, 1 where the front is whole. They are as wide as the numbers in the other arrays, as SIMD lanes require.
     whole: [R; TILE],
 }
 
@@ -519,8 +517,8 @@ impl<R: Real> FirstFronts<R> {
         Front { time: self.times[i], curvature: self.curvatures[i], whole }
     }
 
-    /// Takes the fronts through parts of obtuse triangles where these fronts are first, in the span that begins with
-    /// point `start` of the line.
+    /// Replaces fronts by earlier ones through parts of obtuse triangles, in the span that begins at point `start` of
+    /// the line.
     #[inline(always)]
     pub(super) fn lower(&mut self, splits: &[(usize, Option<Front<R>>)], start: usize) {
         for &(point, front) in splits {
@@ -542,8 +540,8 @@ impl<R: Real> FirstFronts<R> {
 mod tests {
     use super::*;
 
-    /// Returns the front at a point after another front has come. The present front has time 1.5 and curvature 0.3, and
-    /// scan 2 has brought it from a whole triangle.
+    /// Returns the front at a point after another front has arrived. The present front has time 1.5 and curvature 0.3.
+    /// Scan 2 brought it from a whole triangle.
     fn after<R: Real>([time, curvature]: [f64; 2], scan: u8, renews: bool) -> KeptCurved<R> {
         let whole = true;
         let old = Curvature::of(Front { time: R::of(1.5), curvature: R::of(0.3), whole }, 2);

@@ -22,8 +22,7 @@ fn earliest<R: Real, K: FrontKind<R>>(
     group.chunks(COPIES_TOGETHER as usize).filter_map(of_part).reduce(K::Carried::first)
 }
 
-/// Returns the front at a copy after the earliest front of all copies has reached it, or `None` if the present one
-/// stays.
+/// Returns the front at a copy after it receives the earliest front of all copies, or `None` if its front stays.
 fn after_arrival<R: Real, K: FrontKind<R>>(
     first: StoredFront<R, K::Carried>,
     before: StoredFront<R, K::Carried>,

@@ -21,7 +21,7 @@ pub(crate) trait FrontKind<R: Real>:
     /// A front that arrives at a point.
     type Arrival: Copy;
 
-    /// Announces all seeds that are about to be added, before the first one is added.
+    /// Receives all seeds of a map before the first one is added.
     fn expect(&mut self, _: &[Seed]) {}
 
     /// Returns the front that a seed starts.
@@ -30,7 +30,7 @@ pub(crate) trait FrontKind<R: Real>:
     /// Forgets the seeds of the last map.
     fn forget(&mut self) {}
 
-    /// Starts the fronts of seeds, in bordered arrays of arrival times and of what fronts carry. Calls
+    /// Starts the fronts of seeds, in bordered arrays of arrival times and of the data that fronts carry. Calls
     /// `started` with each seed, its point in the arrays, and the fronts there before and after.
     fn start(
         &mut self,
@@ -57,13 +57,14 @@ pub(crate) trait FrontKind<R: Real>:
     }
 }
 
-/// What fronts carry, and how fronts that carry it are accepted and compared. Several kinds of fronts carry the same.
+/// Data that fronts carry, with the rules by which such fronts are accepted and compared. Several kinds of fronts share
+/// one type.
 pub(crate) trait Fronts<R: Real>: Carried {
     /// A front that arrives at a point.
     type Arrival: Copy;
 
-    /// Whether a scan may replace a front that it brought earlier by a later one. A seed that the earlier front has
-    /// replaced is then lost ([`Seed::is_lost`]).
+    /// Whether a scan may replace its own earlier front by one that arrives later. A seed that the first of these
+    /// fronts replaced is then lost ([`Seed::is_lost`]).
     const TAKES_BACK: bool = false;
 
     /// Returns this data without the mark of an exact seed ([`Seed::exact`]), so that fronts of sources that are added
@@ -92,7 +93,7 @@ pub(crate) trait Fronts<R: Real>: Carried {
     fn change(before: StoredFront<R, Self>, after: StoredFront<R, Self>) -> R::Bits;
 }
 
-/// What fronts carry that can be updated from a single triangle.
+/// Data of fronts that can be updated from a single triangle.
 pub(crate) trait TriangleFronts<R: Real>: Fronts<R> {
     /// Returns the arrival time.
     fn time(arrival: Self::Arrival) -> R;
@@ -100,8 +101,7 @@ pub(crate) trait TriangleFronts<R: Real>: Fronts<R> {
     /// Returns the first of two fronts that arrive at a point.
     fn earlier(a: Self::Arrival, b: Self::Arrival) -> Self::Arrival;
 
-    /// Returns the curvature of a front. If the front carries none, this is the curvature of a circle around
-    /// its source.
+    /// Returns the curvature of a front. For fronts without curvature, returns that of a circle around the source.
     fn curvature(kept: StoredFront<R, Self>) -> R;
 
     /// Returns the data that a circular front of the given radius carries over a plane.
@@ -146,8 +146,7 @@ pub(crate) trait TriangleKind<R: Real>:
         alone: bool,
     ) -> Self::Arrival;
 
-    /// Returns the front through the face of one of a point's triangles. Of an obtuse triangle only the edges
-    /// are used.
+    /// Returns the front through the face of one of a point's triangles. For an obtuse triangle, only its edges count.
     #[inline]
     fn face_arrival(
         &self,
@@ -220,8 +219,8 @@ pub(crate) trait TriangleKind<R: Real>:
     }
 }
 
-/// Marks each [`TriangleKind`]. The marker has no type parameter. So the compiler can distinguish these kinds from
-/// others in the blanket implementation of [`PointKind`].
+/// Marker of each [`TriangleKind`]. Without a type parameter, it lets the compiler distinguish these kinds from others
+/// in the blanket implementation of [`PointKind`].
 pub(crate) trait Triangular {}
 
 impl<R: Real, K: TriangleKind<R> + Triangular> PointKind<R> for K {

@@ -27,7 +27,7 @@ pub(crate) trait LaneKind<R: Real>: PointKind<R> {
     /// Returns the data of the surface, as a bordered array.
     fn surface_data(&self, chart: Chart) -> SurfaceArray<Self::SurfaceData>;
 
-    /// Returns the number of bytes held, without the data of the surface.
+    /// Returns the memory in bytes, without the data of the surface.
     fn bytes(&self) -> usize {
         0
     }
@@ -62,8 +62,8 @@ pub(crate) trait LaneKind<R: Real>: PointKind<R> {
     ) -> bool;
 }
 
-/// Finds the fronts that reach the points of a line through parts of obtuse triangles behind them.
-/// Returns them by the points' places in the line, or `None` if no triangle there is obtuse.
+/// Finds the fronts that reach the points of a line through parts of obtuse triangles behind them. Returns them with
+/// the points' positions in the line, or `None` if no triangle there is obtuse.
 pub(super) fn splits_of_line<R: Real, K: TriangleKind<R>, G>(
     kind: &K,
     lines: &GridLines<'_, R, K::Carried, G>,
@@ -105,8 +105,8 @@ pub(super) fn splits_of_line<R: Real, K: TriangleKind<R>, G>(
     Some(found)
 }
 
-/// Finds the fronts through parts of obtuse triangles where these parts are not stored but searched now, for `points`
-/// points of a line from a row and column on.
+/// Finds the fronts through parts of obtuse triangles that are not stored and have to be searched, for `points` points
+/// of a line from a row and column on.
 fn splits_found_now<R: Real, K: TriangleKind<R>, G>(
     kind: &K,
     lines: &GridLines<'_, R, K::Carried, G>,
@@ -135,6 +135,6 @@ fn splits_found_now<R: Real, K: TriangleKind<R>, G>(
     found
 }
 
-/// The points of a line that have obtuse triangles, in order, by their places in the line. Each has the front
-/// that arrives through parts of these triangles, if any.
+/// Points of a line that have obtuse triangles, in ascending order of their positions. Each entry has the front that
+/// arrives through parts of these triangles, if any.
 pub(crate) type Splits<A> = Vec<(usize, Option<A>)>;

@@ -45,8 +45,8 @@ pub(super) enum FrontOver<R> {
 }
 
 impl<R: Real> FrontOver<R> {
-    /// Selects the kind of front that computes `wavefront` on the surface with these edges. It may differ from the kind
-    /// asked for: curved fronts replace kinds that the surface does not allow.
+    /// Selects the kind of front that computes `wavefront` on the surface with these edges. Curved fronts replace kinds
+    /// that the surface does not allow.
     pub(super) fn new(edges: &EdgeLengths<R>, wavefront: Wavefront) -> Self {
         let floor = edges.floor();
         if let Some(slowness) = edges.shared_slowness() {

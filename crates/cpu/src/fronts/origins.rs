@@ -51,7 +51,7 @@ impl<R: Real> OriginTable<R> {
     }
 }
 
-/// The position of a line for whose points origins are looked up.
+/// Origins of the fronts behind a line, and the line's position.
 pub(super) struct LineOrigins<'a, R> {
     pub table: &'a OriginTable<R>,
     /// Row and column of the line's first point in the bordered array, and the step to the next point.
@@ -102,7 +102,7 @@ impl<'a, R: Real> LineOrigins<'a, R> {
 /// the last point.
 pub(super) struct SpanOrigins<'a, R> {
     line: &'a LineOrigins<'a, R>,
-    /// Place of the first point in the line.
+    /// Position of the first point in the line.
     start: R,
     sighted: [Sighted<R>; TILE + 2],
 }

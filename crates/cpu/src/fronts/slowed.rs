@@ -16,7 +16,7 @@ pub(super) struct Seen<'s, R, C, G, S> {
 }
 
 impl<'s, R: Real, C: Carried, G: Copy, S: Fn(G) -> R> Seen<'s, R, C, G, S> {
-    /// Creates the span whose first point is `first`, before a scan.
+    /// Creates the span that begins at point `first`, with the fronts from before a scan.
     #[inline(always)]
     pub(super) fn before(
         before: &Before<'s, R, C, G>,

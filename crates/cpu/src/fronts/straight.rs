@@ -24,7 +24,7 @@ pub(crate) trait Straight: Copy + std::fmt::Debug + Send + Sync + 'static {
     /// gains within rounding.
     fn earlier<R: Real>(self, now: R, triangle: Triangle<R>) -> R;
 
-    /// Returns the arrival time at a point after a front has come at `time`, by the rule of [`Straight::earlier`].
+    /// Returns the arrival time at a point after a front arrives at `time`, by the rule of [`Straight::earlier`].
     fn first<R: Real>(now: R, time: R) -> R;
 
     /// Returns whether a cheap test finds that no front arrives through a triangle earlier than `now`. The test may
@@ -122,8 +122,8 @@ impl<R: Real, S: Straight> LaneKind<R> for S {
             if span.leads(points) {
                 return None;
             }
-            // Points that no front has reached are about to be reached, unless the map has a limit. A test whether they
-            // are settled would only cost time.
+            // Unreached points are about to be reached, unless the map has a limit. Testing whether they are settled
+            // would only cost time.
             let is_new = options.limit == f64::INFINITY && span.is_unreached(points);
             if !is_new && stays::<R, S, false>(&span, points, options.limit) {
                 return None;

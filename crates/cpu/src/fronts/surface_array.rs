@@ -1,4 +1,4 @@
-//! Holds the data that a kind of front needs at each point of a surface.
+//! Stores the data that a kind of front needs at each point of a surface.
 
 use std::ops::Deref;
 use std::sync::Arc;
@@ -12,7 +12,7 @@ pub(crate) enum SurfaceArray<G> {
 }
 
 impl<G> SurfaceArray<G> {
-    /// Returns the number of bytes held, without the data stored with the edge lengths.
+    /// Returns the memory in bytes, without the data stored with the edge lengths.
     pub(crate) fn bytes(&self) -> usize {
         match self {
             Self::OfEdges(_) => 0,

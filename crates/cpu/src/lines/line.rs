@@ -1,5 +1,5 @@
-//! Describes lines of points side by side, and the lengths of their edges. Lines are rows of the grid, or
-//! columns of it that a [`Panel`](crate::rotated::panel::Panel) has transposed into rows.
+//! Adjacent lines of points, and the lengths of their edges. Lines are rows of the grid, or columns that a
+//! [`Panel`](crate::rotated::panel::Panel) has transposed into rows.
 
 use std::ops::Range;
 
@@ -40,16 +40,16 @@ pub(crate) struct LinesInGrid<'a, R, C> {
     pub stride: usize,
     /// The row or column, counted from the border, of the first of these lines.
     pub first: usize,
-    /// Number of the grid's points on a line before the first one that the arrays hold.
+    /// Number of the grid's points on a line before the first one in the arrays.
     pub before: usize,
-    /// The fronts of the whole grid, if these lines do not hold all points.
+    /// The fronts of the whole grid, if these lines lack some of its points.
     pub beyond: Option<Beyond<'a, R, C>>,
 }
 
 /// Fronts at points outside the arrays of some lines.
 pub(crate) struct Beyond<'a, R, C> {
-    /// The points of each line that the arrays hold, and the lines that the arrays hold. Both are counted from the
-    /// border of the grid.
+    /// Range of the points of each line in the arrays, and range of the lines. Both are counted from the border of the
+    /// grid.
     pub points: Range<usize>,
     pub lines: Range<usize>,
     /// Fronts at all other points: first those in the scan's window, then those of the whole grid.
@@ -105,7 +105,7 @@ impl<'a, R: Real, C: Carried, G> GridLines<'a, R, C, G> {
 }
 
 impl<R: Real, C: Carried> LinesInGrid<'_, R, C> {
-    /// Returns the number that a row or column of the grid has among the lines of these arrays.
+    /// Returns the index, among the lines of these arrays, of a row or column of the grid.
     pub(crate) fn number(&self, line: usize) -> usize {
         line + 1 - self.first
     }
@@ -209,8 +209,8 @@ impl<R: Real, C: Carried, G> ScanLine<'_, '_, R, C, G> {
         }
     }
 
-    /// Returns the front at a point of the grid. Callers ask for many points one after another. If this function were
-    /// inlined, each call would load all fields that the function reads.
+    /// Returns the front at a point of the grid. It is not inlined: callers query many points in turn, and each inlined
+    /// call would load all fields that it reads.
     #[inline(never)]
     pub(crate) fn front(&self, point: usize) -> StoredFront<R, C> {
         self.place.front((self.times, self.carried), point)

@@ -9,9 +9,9 @@
 //!
 //! less the bulge. Here x1 is the neighbour across the grid's diagonal, and u is the direction from x1 to x0. On the
 //! other side of that diagonal lies a triangle of a scan along the other axis, and the test also finds settled fronts
-//! that came through that triangle. Until a map has converged, a point is visited about four times, and only one or two
-//! of these visits need the update. With x1 and x2 exchanged, u is the direction from the neighbour beside x0 to x0.
-//! That test decides whether an update can skip one of the two triangles of x0.
+//! that came through that triangle. Until a map converges, scans visit a point about four times, and only one or two of
+//! these visits need the update. With x1 and x2 exchanged, u is the direction from the neighbour beside x0 to x0. That
+//! test decides whether an update can skip one of the two triangles of x0.
 //!
 //! `crate::pairwise` has the same test, with coefficients that are computed once for many maps.
 
@@ -39,7 +39,7 @@ impl<R: Real> Visited<R> {
     }
 }
 
-/// Lower bounds of the arrival time of a planar front less the present time.
+/// Lower bounds of a planar front's arrival time, minus the present time.
 struct Lead<R> {
     /// The bound from x1.
     across: R,
@@ -57,8 +57,7 @@ impl<R: Real> Lead<R> {
         Self { across: t1 + l1 - now, beside: (t2 - now) * l1 + projection, edge: l1 }
     }
 
-    /// Returns whether both bounds exceed a bulge of `dividend / divisor`. Returns false where edges are
-    /// missing.
+    /// Returns whether both bounds exceed a bulge of `dividend / divisor`, or false where edges are missing.
     #[inline(always)]
     fn exceeds(self, dividend: R, divisor: R) -> bool {
         (self.across * divisor > dividend) & (self.beside * divisor > self.edge * dividend)
@@ -123,9 +122,9 @@ mod tests {
         }
     }
 
-    /// Asserts, for present times before and after a front, that nothing arrives earlier where the test says
-    /// settled. Asserts too that the test is worth its cost: it must hold for more than `share` of the present times
-    /// before which nothing arrives.
+    /// Asserts, for present times before and after a front, that no front arrives earlier where the test reports
+    /// settled. Also asserts that the test is worth its cost: it must hold for more than `share` of the present times
+    /// before which no front arrives.
     fn assert_settles(
         share: f64,
         arrival: impl Fn(Triangle<f32>) -> f32,

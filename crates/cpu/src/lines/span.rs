@@ -10,15 +10,14 @@ use geosweep_surface::lanes::prefetch;
 use geosweep_surface::update::{Carried, StoredFront, Triangle};
 use geosweep_surface::{EdgeLengths, Offset, Real, min};
 
-/// Number of points on a side of a tile. A front moves by at most one point along a line for each line that the scan
-/// passes. So within a band of `TILE` lines it reaches no farther than the neighbouring tile.
+/// Number of points on a side of a tile. For each line that a scan passes, a front moves by at most one point along the
+/// line. So within a band of `TILE` lines it reaches the neighbouring tile at most.
 pub(crate) const TILE: usize = 16;
 
 /// A span of adjacent points of a row or column, the neighbours behind each of them, and the triangles between.
 ///
-/// All slices have as many entries as there are points, unless their entries have no size. So the compiler sees that
-/// indices are within bounds. `C` is the data that fronts carry besides their arrival times, `G` the data of the
-/// surface.
+/// All slices have one entry per point, unless their entries have no size. So the compiler sees that indices are within
+/// bounds. `C` is the data that fronts carry besides their arrival times, `G` the data of the surface.
 #[derive(Clone, Copy)]
 pub(crate) struct Span<'a, R, C, G> {
     pub times: &'a [R],
@@ -94,7 +93,7 @@ impl<'a, R: Real, C: Carried, G> Span<'a, R, C, G> {
         Visited { now: min(self.times[i], limit), triangles }
     }
 
-    /// Returns whether no point is reached later than a neighbour behind it.
+    /// Returns whether every point is reached no later than its neighbours behind.
     #[inline(always)]
     pub(crate) fn leads(&self, points: usize) -> bool {
         let [before, beside, after] = self.times_behind;
@@ -127,8 +126,7 @@ impl<'a, R: Real, C: Carried, G> Span<'a, R, C, G> {
         first.wide() > limit
     }
 
-    /// Returns whether the scan renews fronts and has itself brought one of the fronts here that is no later than the
-    /// limit.
+    /// Returns whether the scan renews fronts and one of these fronts, no later than the limit, is its own.
     #[inline(always)]
     pub(crate) fn is_renewed(&self, points: usize, options: UpdateOptions) -> bool {
         let UpdateOptions { scan, renews, limit, .. } = options;
@@ -147,12 +145,13 @@ impl<'a, R: Real, C: Carried, G> Span<'a, R, C, G> {
     }
 }
 
-/// The largest changes of a line's fronts. There is one maximum for each place in a span, since these places are SIMD
-/// lanes. The changes are integers, whose maximum compilers compute in SIMD lanes.
+/// Largest changes of a line's fronts, one for each position in a span, since these positions are SIMD lanes. The
+/// changes are integers, whose maximum compilers compute in SIMD lanes.
 pub(crate) struct LargestChanges<R: Real> {
     /// Changes of arrival times ([`Real::units_between`]).
     times: [R::Bits; TILE],
-    /// Changes of curvatures times the arrival time, as the number of representable numbers above zero.
+    /// Changes of curvature, times the arrival time, as integers: the count of representable numbers from zero to the
+    /// product.
     bends: [R::Bits; TILE],
 }
 
@@ -222,8 +221,8 @@ pub(crate) struct Before<'a, R, C, G> {
 }
 
 impl<'a, R: Real, C: Carried, G> Before<'a, R, C, G> {
-    /// Returns the span of `points` points of a row from a column on. The neighbours behind are given for
-    /// the grid, and as offsets in the window ([`super::window::Window::behind`]).
+    /// Returns the span of `points` points of a row from a column on. Parameters give the neighbours behind in the
+    /// grid, and as offsets in the window ([`super::window::Window::behind`]).
     pub(crate) fn span(
         &self,
         (behind, in_window): (&Behind, [Offset; 3]),

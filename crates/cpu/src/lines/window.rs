@@ -1,15 +1,15 @@
-//! Describes a window: the part of the grid whose fronts an array holds. Scans work on windows. The window of
-//! a whole map is the grid.
+//! Windows: parts of the grid whose fronts are stored in one array. Scans work on windows. The window of a whole map is
+//! the grid.
 //!
-//! Rows, columns and points are always those of the grid. Only this file and [`super::line`] know where a
-//! window keeps them.
+//! Rows, columns and points are always those of the grid. Only this file and [`super::line`] convert them to indices of
+//! a window's arrays.
 
 use crate::behind::Behind;
 use crate::scan::Scan;
 use geosweep_surface::update::{Carried, StoredFront};
 use geosweep_surface::{Block, Chart, Offset, Real};
 
-/// A block of the grid, whose fronts a bordered array holds.
+/// A block of the grid whose fronts are stored in a bordered array.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Window {
     /// The chart of the grid, and of the block alone.
@@ -78,8 +78,8 @@ impl<R: Real, C: Carried> Fronts<'_, R, C> {
         StoredFront { time: self.times[place], carried: self.carried[place] }
     }
 
-    /// Returns the front at an entry of the grid's bordered array, given by row and column counted from the
-    /// border. Returns `None` if the window does not hold it.
+    /// Returns the front at an entry of the grid's bordered array, given by row and column counted from the border.
+    /// Returns `None` if the entry lies outside the window.
     pub(crate) fn at(&self, (row, col): (usize, usize)) -> Option<StoredFront<R, C>> {
         let Window { grid, own, first } = self.window;
         let (row, col) = (row.checked_sub(first.0)?, col.checked_sub(first.1)?);

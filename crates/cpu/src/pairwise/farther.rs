@@ -1,12 +1,12 @@
-//! Finds the points that a scan has to visit because of changes elsewhere than at their three neighbours on the line
-//! behind. These points have obtuse triangles, whose parts reach further.
+//! Finds the points that changes of distant points affect: points with obtuse triangles, whose parts reach beyond the
+//! three neighbours on the line behind.
 
 use super::marks::WORD;
 use crate::scan::Scan;
 use geosweep_surface::{EdgeLengths, Lines};
 
-/// Points whose changes affect points that are not beside them on the next line. Changes of other points are
-/// propagated without this.
+/// Points whose changes affect distant points, which are not beside them on the next line. All other changes are
+/// propagated without this table.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Farther {
     /// The affected points, by rows and by columns.
@@ -20,7 +20,7 @@ struct Concerns {
     concerns: Vec<Concern>,
 }
 
-/// A point of a line whose changes a scan has to see at another point.
+/// A point of a line whose change affects another point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Concern {
     changed: u32,

@@ -9,7 +9,7 @@ use geosweep_surface::{EdgeLengths, Real, min};
 /// instructions the maps fill several vectors, which hides the latency of square roots.
 pub(super) const LANES: usize = 16;
 
-/// One number for each map, on a cache line of its own.
+/// A number for each map, aligned to a cache line.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, align(64))]
 pub(super) struct Lanes(pub [f32; LANES]);
@@ -48,7 +48,7 @@ impl Lanes {
     }
 }
 
-/// The lengths of two triangles around a point.
+/// Edge lengths of two adjacent triangles at a point.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Fan {
     /// Lengths of the edges to the neighbours behind: the one before, the one beside, the one after.
@@ -58,8 +58,8 @@ pub(super) struct Fan {
 }
 
 impl Fan {
-    /// Returns the sides of both triangles: the edges to the neighbour that comes first on the line and to
-    /// the next one, and the base between these.
+    /// Returns the sides of both triangles: the edge to the first neighbour on the line, the edge to the next one, and
+    /// the base between these neighbours.
     pub(super) fn triangles(self) -> [[f32; 3]; 2] {
         let [before, beside, after] = self.edges;
         let [first, second] = self.bases;
@@ -91,7 +91,7 @@ pub(super) trait Kernel: 'static {
     fn through(ends: [&Lanes; 2], part: &Self::Part) -> Lanes;
 }
 
-/// Returns the new times of a point in the maps in which the scan passes it, and the old times in the other maps.
+/// Returns the new times of a point in maps whose scan passes the point, and the old times in all other maps.
 #[inline(always)]
 pub(super) fn merged(new: Lanes, old: Lanes, maps: [u32; LANES]) -> Lanes {
     let (mut new, old): ([u32; LANES], [u32; LANES]) = (bytemuck::cast(new), bytemuck::cast(old));

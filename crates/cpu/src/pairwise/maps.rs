@@ -1,4 +1,4 @@
-//! Holds the maps of a batch and their initial distances.
+//! Maps of a batch, and their initial distances.
 
 use std::sync::Arc;
 
@@ -22,7 +22,7 @@ pub(super) struct Maps {
     pub stage: Stage,
 }
 
-/// The known distances of a batch: rows of the distance matrix above the batch's own rows, or nothing.
+/// Known distances of a batch: the rows of the distance matrix above the batch's own rows, possibly no rows.
 #[derive(Clone, Copy)]
 pub(super) struct Known<'a> {
     /// Rows of the matrix, one after another.

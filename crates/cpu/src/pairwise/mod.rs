@@ -1,5 +1,5 @@
-//! Computes all pairs: maps of neighbouring sources share one instruction stream, each in a SIMD lane (paper,
-//! section 5.1, Algorithm 4).
+//! Computes the distances of all pairs: maps of neighbouring sources share an instruction stream, each in a SIMD lane
+//! (paper, section 5.1, Algorithm 4).
 
 mod circular;
 mod farther;
@@ -28,10 +28,10 @@ use scans::{BatchSolver, Scans};
 
 /// A solver for batches of maps of one surface. Any number of threads may use it.
 ///
-/// The maps of a batch lie side by side in memory, point by point. They are updated together, with
-/// coefficients that all of them share and that are computed once for a surface. The scans are those of the
-/// shaders' twin `scan_outward`, in the same order. A scan visits only points beside which a map of the batch
-/// has changed since the scan last passed. So the sources of a batch should be neighbours.
+/// The maps of a batch lie side by side in memory, point by point. They are updated together, with coefficients that
+/// all of them share and that are computed once for a surface. The scans are those of the shaders' twin `scan_outward`,
+/// in the same order. A scan visits a point only if a map of the batch has changed beside it since the scan last
+/// passed. So the sources of a batch should be neighbours.
 pub struct PairwiseScan {
     chart: Chart,
     scans: Box<dyn BatchSolver>,
@@ -83,15 +83,14 @@ impl PairwiseScan {
         self
     }
 
-    /// Returns the number of bytes held: for the surface, and for each batch that is computed at the same
-    /// time.
+    /// Returns the memory in bytes: for the surface, and for each batch that is computed at the same time.
     pub fn bytes(&self) -> (usize, usize) {
         self.scans.bytes()
     }
 
-    /// Computes the distances from at most [`Self::LANES`] grid points, given by their index, to all points.
-    /// `into` has a row for each source. Distances are +infinity where a source does not reach. For `None`,
-    /// which stands for no source (use it for holes), the row is all +infinity.
+    /// Computes the distances from at most [`Self::LANES`] grid points, given by their index, to all points. `into` has
+    /// a row for each source. Distances are +infinity at unreached points. A source of `None` (use it for holes) gives
+    /// a row of +infinity.
     ///
     /// # Panics
     /// If there are more than [`Self::LANES`] sources, or if `into` does not have one row of all grid points for each
@@ -100,8 +99,7 @@ impl PairwiseScan {
         self.solve_from(sources, Known::NOTHING, stop, &mut self.rows(into))
     }
 
-    /// Computes the same as [`Self::solve`] with rows anywhere in memory, and only for the sources that have
-    /// a row.
+    /// Computes the rows of [`Self::solve`] anywhere in memory, and only for the sources that have a row.
     ///
     /// # Panics
     /// As [`Self::solve`].
@@ -114,9 +112,9 @@ impl PairwiseScan {
         self.solve_from(sources, Known::NOTHING, stop, into)
     }
 
-    /// Computes the same as [`Self::solve`] for successive sources from `first` on, with the symmetric
-    /// initialisation (paper, eq. 20). `rows` are the distances from the first points to all points. The distances from
-    /// the sources to these first points are taken from `rows` and are not computed again.
+    /// Computes the rows of [`Self::solve`] for successive sources from `first` on, with the symmetric initialisation
+    /// (paper, eq. 20). `rows` are the distances from the first points to all points. The distances from the sources to
+    /// these first points are taken from `rows` and are not computed again.
     ///
     /// # Panics
     /// As [`Self::solve`]; and if `rows` is not a whole number of rows or has more than `first` rows, or if `sources`
@@ -165,8 +163,8 @@ impl PairwiseScan {
     }
 }
 
-/// Returns whether an angle between two successive edges around some point exceeds a right angle by too little to count
-/// as obtuse.
+/// Returns whether some angle between two successive edges around a point is slightly wider than a right angle, but
+/// does not count as obtuse.
 fn has_wide_angles(edges: &EdgeLengths<f32>) -> bool {
     let fans = Scan::ALL.map(|scan| Behind::of(edges.chart(), scan));
     edges.chart().places().any(|(row, col)| {

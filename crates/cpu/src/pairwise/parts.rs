@@ -15,7 +15,7 @@ pub(super) struct LaneParts<K: Kernel> {
 
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LanePart<P> {
-    /// Place of the point in the line.
+    /// Position of the point in the line.
     point: u32,
     /// The two other corners, as indices into the bordered array.
     corners: [u32; 2],

@@ -16,7 +16,7 @@ pub(super) struct Pending {
     visits: [Marks; 4],
     /// Points that the current scan has changed, by rows and by columns.
     changed: [Marks; 2],
-    /// Number of the first points, in row-major order, that are known and never visited.
+    /// Number of known points, which are never visited: the first ones in row-major order.
     known: usize,
     /// Shared by all batches of a surface.
     farther: Arc<Farther>,
@@ -38,8 +38,8 @@ impl Pending {
         3 * (Marks::bytes(chart) + Marks::bytes(chart.transposed()))
     }
 
-    /// Forgets all changes. The first `known` points, row-major, are known. All points after them have yet to
-    /// be updated from them.
+    /// Forgets all changes and marks all points to be visited except the first `known` ones in row-major order, whose
+    /// distances are known.
     pub(super) fn start(&mut self, known: usize) {
         self.known = known;
         self.visits.iter_mut().for_each(|visits| visits.fill(known > 0));
@@ -56,9 +56,9 @@ impl Pending {
         }
     }
 
-    /// Takes the points of a line that a scan has to visit, or returns `None` if there are none. The scan must leave
-    /// only the points marked that it changes, and then call [`Self::tell`]. If it does not visit the points in all
-    /// maps (`all_maps`), they stay pending for another visit.
+    /// Takes the points of a line that a scan has to visit, or returns `None` if there are none. The scan must unmark
+    /// the points that it does not change, and then call [`Self::tell`]. Unless it visits the points in all maps
+    /// (`all_maps`), they stay pending for another visit.
     pub(super) fn take(&mut self, scan: Scan, line: usize, all_maps: bool) -> Option<&mut [u64]> {
         let first = scan.lines().before(self.chart, line, self.known);
         let end = self.chart.by(scan.lines()).cols;

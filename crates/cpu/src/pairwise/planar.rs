@@ -55,7 +55,7 @@ impl PlanarTriangle {
                 }
             }
             Corner::Edges => along_edges(l1 * l1, l1 - l2),
-            // The other corner is a hole, which no front reaches.
+            // One corner is a hole, which no front reaches.
             Corner::Edge(length) => along_edges(length * length, 0.0),
             Corner::Nothing => along_edges(f32::INFINITY, 0.0),
         }

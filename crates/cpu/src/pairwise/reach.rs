@@ -14,8 +14,8 @@ use geosweep_surface::{max, min};
 /// - t2 + u . (x0 - x2).
 ///
 /// Here u runs along the outer edge of each triangle, which is a diagonal of the grid. A scan along the other axis has
-/// a triangle on the other side of that diagonal. The bound also rules out a change of a point that has its time from
-/// that triangle. So the four scans update each point about once and not twice.
+/// a triangle on the other side of that diagonal. The bound also detects points that keep a time from that triangle. So
+/// the four scans update each point about once and not twice.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Reach {
     before: f32,
@@ -37,8 +37,8 @@ impl Reach {
         Self { before, beside, after }
     }
 
-    /// Returns a bound before which no planar front arrives, but for rounding, if the points behind are
-    /// reached at these times.
+    /// Returns a lower bound, up to rounding, of the arrival time of planar fronts, given the arrival times at the
+    /// points behind.
     #[inline(always)]
     pub(super) fn earliest(&self, before: f32, beside: f32, after: f32) -> f32 {
         min(min(before + self.before, beside + self.beside), after + self.after)
@@ -66,7 +66,7 @@ impl Bulge {
                 matches!(Corner::new(outer, beside, base), Corner::Triangle { .. })
             })
             .fold(0.0, |longest, (_, base)| max(longest, base));
-        // Never zero, so that a time that is not ahead at all is not kept.
+        // Positive, so that a time no earlier than all planar fronts is not kept.
         let times_distance = max(0.125 * longest * longest, f32::MIN_POSITIVE);
         Self { half_base: 0.5 * longest, times_distance }
     }

@@ -15,13 +15,13 @@ use geosweep_surface::lanes::Loop;
 use geosweep_surface::{Chart, EdgeLengths, Offset};
 use geosweep_surface::{Convergence, Stop};
 
-/// The coefficients of a surface for one kind of front, and working memory for the largest number of batches that have
-/// been computed at once.
+/// Coefficients of a surface for one kind of front, and working memory for as many batches as have been computed at
+/// once.
 pub(super) struct Scans<K: Kernel> {
     chart: Chart,
     /// Coefficients of all points for each scan, in the order in which the scan passes them.
     coefficients: [Vec<K::Coefficients>; 4],
-    /// LaneParts of obtuse triangles for each scan.
+    /// Parts of obtuse triangles, for each scan.
     parts: [LaneParts<K>; 4],
     farther: Arc<Farther>,
     spare: Mutex<Vec<Maps>>,
@@ -65,7 +65,7 @@ impl<K: Kernel> Scans<K> {
         instructions: Instructions,
     ) -> Convergence {
         let mut progress = Progress::new(stop);
-        // Changes below the tolerance are kept but wake no points.
+        // Changes below the tolerance are stored but wake no points.
         let wakes = (stop.tolerance / f64::from(f32::EPSILON)) as u32;
         loop {
             let mut largest = 0;

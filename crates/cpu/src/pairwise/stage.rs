@@ -7,11 +7,12 @@ use crate::rotated::transpose::{Turned, transpose};
 use geosweep_surface::Chart;
 use geosweep_surface::lanes::Loop;
 
-/// A buffer in which rows of the grid become parts of the matrix's rows on their way to memory.
+/// A buffer that rearranges grid rows of several maps into parts of the matrix's rows before they are written to
+/// memory.
 pub(super) struct Stage {
     /// A span of each row of the matrix. Spans are a stride apart.
     rows: Vec<Lanes>,
-    /// Number of grid rows that the buffer holds at once.
+    /// Capacity of the buffer in grid rows.
     band: usize,
 }
 

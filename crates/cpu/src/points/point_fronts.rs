@@ -1,4 +1,4 @@
-//! Holds the fronts at all points of a bordered array, and updates them one by one.
+//! Fronts at all points of a bordered array, updated one by one.
 
 use crate::behind::Behind;
 #[cfg(any(test, feature = "twins"))]
@@ -10,12 +10,12 @@ use geosweep_surface::update::Carried;
 use geosweep_surface::update::{SEED, StoredFront};
 use geosweep_surface::{EdgeLengths, Real, Seed};
 
-/// The fronts at all points while a solver works on them.
+/// Fronts at all points while a solver updates them.
 #[derive(Clone)]
 pub(crate) struct PointFronts<R: Real, K: PointKind<R>> {
     pub edges: EdgeLengths<R>,
     pub kind: K,
-    /// Time after which fronts do not matter. Later fronts reach no further points.
+    /// Time after which fronts do not matter. Later fronts are not propagated.
     #[cfg(any(test, feature = "twins"))]
     limit: R,
     times: Vec<R>,
@@ -75,7 +75,7 @@ impl<R: Real, K: PointKind<R>> PointFronts<R, K> {
         self.reach_seen(point, behind, |x| self.at(x))
     }
 
-    /// Returns what [`Self::reach`] returns, with the fronts at other points given by `seen`.
+    /// Returns the front of [`Self::reach`], with the fronts at other points given by `seen`.
     #[inline]
     pub(crate) fn reach_seen(
         &self,
@@ -178,10 +178,10 @@ impl<R: Real, K: PointKind<R>> PointFronts<R, K> {
         largest
     }
 
-    /// Takes the earliest of the fronts that four scans have left at a point, and returns the change. `copies` are
-    /// copies of all fronts, one for each scan, in the order of the scans. If fronts record their scan, a copy
-    /// contributes only a front that its own scan has brought. If no copy contributes, the present front stays, or
-    /// becomes unreached if a scan has made the point unreached in its copy.
+    /// Stores the earliest of a point's fronts in `copies`, and returns the change. `copies` are all fronts after each
+    /// of four scans, in the order of the scans. If fronts record their scan, a copy contributes only a front that its
+    /// own scan has brought. If no copy contributes, the present front stays, or becomes unreached if a scan has made
+    /// the point unreached in its copy.
     pub(crate) fn take_first(&mut self, copies: &[Self; 4], point: usize) -> R::Bits {
         let before = self.at(point);
         let (mut taken, mut left): (Option<StoredFront<R, K::Carried>>, _) = (None, before);

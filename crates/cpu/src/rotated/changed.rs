@@ -1,6 +1,6 @@
 //! Defines the marks by which updates of lines report changes to the active set.
 
-/// The change of some points by updates, in ascending order. The mark of several changes is the largest of their marks.
+/// Mark of the changes of some points, in ascending order. The mark of several changes is the largest of their marks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Changed {
     #[default]

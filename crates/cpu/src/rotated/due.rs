@@ -73,19 +73,19 @@ fn runs(beside: &[u8], scan: Scan) -> impl Iterator<Item = Range<usize>> {
     })
 }
 
-/// A check of whether a scan has work in the tiles along a row of points. It adds the scan to `due` of those tiles. If
-/// there is a limit, it returns the number of points that it has not examined: points beyond the limit, and points of
-/// tiles that are due anyway. Without a limit it returns 0.
+/// Check that finds the tiles along a row of points in which a scan has work, and adds the scan to their `due`. With a
+/// limit, it returns the number of points not examined: points beyond the limit, and points of tiles that are due
+/// anyway. Without a limit it returns 0.
 struct Look<'l, R: Real, K: LaneKind<R>> {
     kind: &'l K,
     before: &'l Before<'l, R, K::Carried, K::SurfaceData>,
     /// The first point, as an index into bordered arrays of the grid.
     first: usize,
     span: Span<'l, R, K::Carried, K::SurfaceData>,
-    /// Bits of each point's obtuse triangles, and the bits of the triangles that the scan uses. `None` if none of
-    /// the points has an obtuse triangle.
+    /// Bits of each point's obtuse triangles, and the bits of the triangles that the scan uses; `None` if no triangle
+    /// is obtuse.
     obtuse: Option<(&'l [u8], u8)>,
-    /// Offsets from a row to the next, of the fronts and of the surface's data.
+    /// Offsets from a row to the next, in the arrays of fronts and of surface data.
     strides: [isize; 2],
     options: UpdateOptions,
     due: &'l mut [u8],
