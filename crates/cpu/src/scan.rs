@@ -1,5 +1,4 @@
-//! Describes the four scans of an iteration: the lines that they pass, in which order, and which points are
-//! behind.
+//! The four scans of an iteration: their lines, the order of these lines, and the points behind a point.
 
 use std::ops::Range;
 
@@ -46,7 +45,7 @@ impl Scan {
         (start..end).map(move |k| if self.is_forward() { k } else { start + end - 1 - k })
     }
 
-    /// Returns the number of the line behind a line.
+    /// Returns the index of the line behind a line.
     #[inline(always)]
     pub(super) fn line_behind(self, line: usize) -> usize {
         if self.is_forward() { line - 1 } else { line + 1 }

@@ -1,4 +1,4 @@
-//! Defines the distance map that a CPU solver returns.
+//! Distance maps that CPU solvers return.
 
 use rayon::prelude::*;
 
@@ -9,7 +9,7 @@ use geosweep_surface::{Chart, Real};
 pub struct Solution<R> {
     chart: Chart,
     times: Vec<R>,
-    /// The time after which there are no distances.
+    /// Latest time with distances; points reached later have none.
     end: f64,
     /// Number of iterations of four scans. Fast marching counts as one iteration.
     pub iterations: u32,
@@ -35,8 +35,8 @@ impl<R: Real> Solution<R> {
     }
 }
 
-/// Converts the arrival times of a bordered array to distances, row-major. Times later than `end` become +infinity, as
-/// do those of unreached points.
+/// Converts the arrival times of a bordered array to distances, row-major. Times later than `end` and unreached points
+/// become +infinity.
 pub(super) fn distances<R: Real>(chart: Chart, times: &[R], end: f64) -> Vec<R> {
     let mut distances = vec![R::zero(); chart.points()];
     distances.par_chunks_mut(chart.cols).enumerate().for_each(|(row, distances)| {

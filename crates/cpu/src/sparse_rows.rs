@@ -1,7 +1,7 @@
 //! Rows of a distance matrix in a sparse format.
 
-/// Rows of a distance matrix that hold the distances within a radius, in compressed sparse row format (CSR), as
-/// SciPy's `csr_array` holds them.
+/// Rows of a distance matrix with the distances within a radius, in compressed sparse row format (CSR), as in SciPy's
+/// `csr_array`.
 ///
 /// The entries of row r are those from `indptr[r]` to before `indptr[r + 1]`. Columns are grid points in
 /// row-major order. A row includes its own point, at distance 0. The row of a hole is empty.
@@ -18,7 +18,7 @@ pub struct SparseRows {
 }
 
 impl SparseRows {
-    /// Returns no rows of a matrix with `cols` columns.
+    /// Creates an empty matrix with `cols` columns and no rows yet.
     pub fn with_cols(cols: usize) -> Self {
         Self { cols, indptr: vec![0], indices: Vec::new(), data: Vec::new() }
     }

@@ -1,8 +1,8 @@
-//! Estimates when fronts come to given points, from a few points of the grid.
+//! Estimates the times at which fronts reach given points, from a few points of the grid.
 //!
-//! Planar fronts march over the points on every eighth row and column. The way from one of these points to the next is
-//! the line of grid edges between them, so holes and slowness count, and no path is found that the grid does not have.
-//! The estimate only says how far a map has to be solved at first. The map itself does not depend on it.
+//! Planar fronts march over the points on every eighth row and column. The path from one of these points to the next is
+//! the line of grid edges between them, so holes and slowness count, and every path found exists on the grid. The
+//! estimate only sets the first limit of a map. The map itself does not depend on it.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -17,8 +17,8 @@ const LARGEST_STEP: usize = 8;
 /// Minimum number of points on the longer side if the step is larger than 1.
 const LEAST_POINTS: usize = 24;
 
-/// Returns an estimate of the time at which fronts of the seeds have come to the targets, and the number of
-/// points that were visited for it. The time is not finite if no path was found on any of the grids.
+/// Estimates the time at which fronts of the seeds have reached the targets. Also returns the number of visited points.
+/// The time is not finite if no path was found on any of the grids.
 pub fn estimate_targets<R: Real>(
     edges: &EdgeLengths<R>,
     seeds: &[Seed],
@@ -42,7 +42,7 @@ pub fn estimate_targets<R: Real>(
     }
 }
 
-/// Fronts that march over some of a grid's points, in the order of time.
+/// A march of fronts over some of a grid's points, in the order of time.
 struct March<'a, R> {
     edges: &'a EdgeLengths<R>,
     step: usize,
@@ -52,13 +52,13 @@ struct March<'a, R> {
     coarse: Chart,
     times: Vec<f64>,
     fixed: Vec<bool>,
-    /// Lengths of the ways to the neighbours in the directions of `STORED`; NaN where not measured yet.
+    /// Lengths of the paths to the neighbours in the directions of `STORED`; NaN where not measured yet.
     ways: Vec<[f64; 4]>,
     heap: BinaryHeap<Reverse<Arrival<f64>>>,
     visits: u64,
 }
 
-/// The directions whose ways are stored at a point. A way in another direction is stored at the point where it ends.
+/// Directions whose paths are stored at a point. A path in another direction is stored at its end.
 const STORED: [Direction; 4] =
     [Direction::East, Direction::North, Direction::NorthEast, Direction::NorthWest];
 
@@ -83,7 +83,7 @@ impl<'a, R: Real> March<'a, R> {
         }
     }
 
-    /// Marches until no front can come to the targets earlier, and returns the time by which the targets are reached.
+    /// Marches until no front can reach the targets earlier, and returns the time by which the targets are reached.
     fn run(&mut self, seeds: &[Seed], targets: &Targets) -> f64 {
         for seed in seeds {
             for point in self.around([seed.row, seed.col]) {
@@ -178,7 +178,7 @@ impl<'a, R: Real> March<'a, R> {
             .collect()
     }
 
-    /// Returns the length of the way from one of the points to its neighbour.
+    /// Returns the length of the path from one of the points to its neighbour.
     fn length(&mut self, (row, col): (usize, usize), to: Direction) -> f64 {
         let stored = STORED.iter().position(|&stored| stored == to);
         let Some(stored) = stored else {
@@ -207,8 +207,8 @@ impl<'a, R: Real> March<'a, R> {
         length
     }
 
-    /// Returns the length of a way along the grid from one of the points to a point of the grid, or +infinity
-    /// if there is a hole on it.
+    /// Returns the length of a path along the grid from one of the points to a point of the grid, or +infinity if a
+    /// hole interrupts it.
     fn way(&self, point: usize, [row, col]: [usize; 2]) -> f64 {
         let (from_row, from_col) = self.place(self.coarse.position(point));
         let steps = [row.abs_diff(from_row), col.abs_diff(from_col)];
@@ -258,8 +258,8 @@ mod tests {
         for builtin in [Builtin::Plane, Builtin::Sphere, Builtin::Peaks] {
             for to in [[150, 30], [120, 100], [199, 199]] {
                 let (ratio, visits) = estimate(builtin, 200, [100, 91], to);
-                // The coarse triangles are flat, and the last part of the way to a target follows edges, which
-                // lengthens short ways most.
+                // The coarse triangles are flat, and the last part of the path to a target follows edges, which
+                // lengthens short paths most.
                 assert!((0.97..1.1).contains(&ratio), "{builtin} {to:?}: {ratio}");
                 assert!(visits <= 26 * 26, "{visits}");
             }

@@ -1,4 +1,4 @@
-//! Exchanges fronts between the copies of a point of a glued surface, in both copies of a map.
+//! Exchanges fronts between a glued point's copies, in both copies of a map.
 
 use super::scan_copy::ScanCopy;
 use super::tiles::Tiles;

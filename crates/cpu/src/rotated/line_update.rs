@@ -15,8 +15,7 @@ use geosweep_surface::update::Carried;
 use geosweep_surface::{Real, min};
 
 /// Result of updating one or more lines: the largest change ([`Real::units_between`]), the number of updated points,
-/// and the number of points that were skipped because they are beyond the limit. Settled points are skipped too, and
-/// not counted.
+/// and the number of points beyond the limit, which are skipped. Settled points are skipped too, and not counted.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Updated<B> {
     pub largest: B,
@@ -35,7 +34,7 @@ impl<B: Ord> Updated<B> {
     }
 }
 
-/// Updates points of a line from the line behind, and marks the spans of [`TILE`] points that have changed.
+/// Updates points of a line from the line behind, and marks each changed span of [`TILE`] points.
 pub(crate) fn update_line<R: Real, K: LaneKind<R>>(
     kind: &K,
     lines: &mut GridLines<'_, R, K::Carried, K::SurfaceData>,

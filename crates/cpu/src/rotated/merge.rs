@@ -48,8 +48,8 @@ fn copy<R: Copy, C: Copy>(from: (&mut [R], &mut [C]), to: (&mut [R], &mut [C])) 
     to.1.copy_from_slice(from.1);
 }
 
-/// Calls `merge` for each line of the tiles in a band that at least one of two scans has changed: with the points of
-/// the line in adjacent tiles, and with flags of the scans that have changed these tiles.
+/// Calls `merge` for each line of the tiles in a band that either of two scans has changed. Passes the points of the
+/// line in adjacent tiles, and flags of the scans that have changed these tiles.
 fn merge_band(
     chart: Chart,
     tiles: &Tiles,
@@ -76,8 +76,8 @@ fn merge_band(
     }
 }
 
-/// A merge that takes the first of two fronts. If a copy has a front that the scan of the other copy brought in an
-/// earlier iteration, the copy's own scan has not changed that front, and the other copy's front is taken.
+/// Merge that selects the first of two fronts. A front in one copy may stem from the other copy's scan in an earlier
+/// iteration. The copy's own scan has then not changed it, so the other copy's front is taken.
 struct Merge<'l, R: Real, K: FrontKind<R>> {
     a: (&'l mut [R], &'l mut [K::Carried]),
     b: (&'l mut [R], &'l mut [K::Carried]),

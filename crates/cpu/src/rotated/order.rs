@@ -1,4 +1,4 @@
-//! Defines in which order a grid is updated, and which order is best.
+//! Orders in which a grid is updated, and the choice of the best one.
 
 use super::patches::Plan;
 use crate::lines::span::TILE;
@@ -23,7 +23,7 @@ pub enum Order {
 /// (`docs/speed.md`).
 const PATCHES: [(usize, usize, usize); 1] = [(1 << 22, 8, 128)];
 
-/// Largest side of a patch. No grid has as many points a side.
+/// Largest side of a patch, larger than any grid.
 const LARGEST_SIDE: usize = 1 << 30;
 
 impl Order {

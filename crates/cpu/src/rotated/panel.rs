@@ -1,5 +1,5 @@
-//! Holds columns as rows. A panel is a transposed copy of as many columns as a tile is wide, so that scans to
-//! the right and left read and write points that are adjacent in memory.
+//! Panels: transposed copies of as many columns as a tile is wide. With them, scans to the right and left read and
+//! write points that are adjacent in memory.
 
 use std::ops::Range;
 
@@ -33,7 +33,7 @@ pub(crate) struct Panel<R, C, G> {
 #[derive(Clone, Copy)]
 pub(crate) struct Grid<'a, R, G> {
     pub edges: &'a EdgeLengths<R>,
-    /// Transposed edges from each column to the column before it, if they are kept.
+    /// Transposed edges from each column to the column before it, if they are stored.
     pub transposed: Option<&'a TransposedEdges<R>>,
     pub surface_data: &'a [G],
 }
@@ -54,7 +54,7 @@ impl<R: Real, C: Carried, G: bytemuck::Pod> Panel<R, C, G> {
         }
     }
 
-    /// Frees the memory for edges that are kept in [`TransposedEdges`].
+    /// Frees the memory of the edges that [`TransposedEdges`] stores.
     pub(crate) fn free_edges_back(&mut self) {
         let [_, back @ ..] = &mut self.edges;
         *back = [(); 3].map(|_| Vec::new());
@@ -102,7 +102,7 @@ impl<R: Real, C: Carried, G: bytemuck::Pod> Panel<R, C, G> {
         }
     }
 
-    /// Returns the columns as lines. The panel holds the points of these lines in `rows`.
+    /// Returns the columns as lines, of which the panel has the points in `rows`.
     pub(crate) fn lines<'a>(
         &'a mut self,
         grid: Grid<'a, R, G>,

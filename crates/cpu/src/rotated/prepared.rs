@@ -1,4 +1,4 @@
-//! Holds the data of a surface that scans of one kind of front need, and prepares it for many maps.
+//! Data of a surface that scans of one kind of front need, and its preparation for many maps.
 
 use super::panel::{Grid, Panel};
 use super::transposed::TransposedEdges;
@@ -17,14 +17,14 @@ pub(crate) struct Prepared<R: Real, K: LaneKind<R>> {
     /// Data of each surface point that the front needs.
     surface_data: SurfaceArray<K::SurfaceData>,
     pub settings: Settings,
-    /// Transposed edges, for straight fronts on large grids. The second map fills them. Other fronts have
-    /// more data per point to keep.
+    /// Transposed edges, for straight fronts on large grids. The second map fills them. Other fronts already need more
+    /// data per point.
     transposed: Option<TransposedEdges<R>>,
     /// Whether a map has been solved.
     solved: bool,
 }
 
-/// How maps are solved.
+/// Settings of a solver, for all its maps.
 #[derive(Clone, Debug)]
 pub(crate) struct Settings {
     /// The limit of the next map, or the current one of the last map. It falls with the times of its targets. Arrival
@@ -34,14 +34,13 @@ pub(crate) struct Settings {
     pub monitor: Monitor,
 }
 
-/// Minimum number of grid points for keeping transposed edges. On smaller grids the transposed edges and the panels
-/// would take more than 40 bytes per point. Transposed edges would also save less time there, since the arrays to
-/// transpose fit near caches.
+/// Minimum number of grid points for storing transposed edges. On smaller grids these edges and the panels would take
+/// more than 40 bytes per point. They would also save less time, since the arrays to transpose fit near caches.
 const TRANSPOSED_FROM: usize = 256 * 256;
 
 /// Number of iterations of a map after which the parts of many obtuse triangles are stored. On a plane sheared by 60
-/// degrees a map takes two iterations, and 1.5 times as long if the parts are stored at once. On steep hills a map
-/// takes 20 iterations, and 1.3 to 1.8 times as long if the parts are not stored.
+/// degrees a map needs two iterations; storing the parts at once makes it 1.5 times as slow. On steep hills a map needs
+/// 20 iterations; not storing the parts makes it 1.3 to 1.8 times as slow.
 pub(crate) const FEW_ITERATIONS: u32 = 3;
 
 impl<R: Real, K: LaneKind<R>> Prepared<R, K> {
@@ -87,9 +86,9 @@ impl<R: Real, K: LaneKind<R>> Prepared<R, K> {
         panel
     }
 
-    /// Before the second map, stores data that make this map and all later ones faster: the parts of all obtuse
-    /// triangles, and the edges between columns in the order that scans to the right and left need. Returns whether
-    /// this call has stored these edges.
+    /// Stores data before the second map that make it and all later ones faster: the parts of all obtuse triangles, and
+    /// the edges between columns in the order that scans to the right and left need. Returns whether this call has
+    /// stored these edges.
     pub(crate) fn prepare(&mut self) -> bool {
         if !std::mem::replace(&mut self.solved, true) {
             return false;
@@ -115,7 +114,7 @@ impl<R: Real, K: LaneKind<R>> Prepared<R, K> {
         }
     }
 
-    /// Returns the number of bytes held, without the edge lengths and the data stored with them.
+    /// Returns the memory in bytes, without the edge lengths and the data stored with them.
     pub(crate) fn bytes(&self) -> usize {
         self.surface_data.bytes()
             + self.transposed.as_ref().map_or(0, TransposedEdges::bytes)

@@ -15,7 +15,7 @@ use geosweep_surface::update::Wavefront;
 use geosweep_surface::{Chart, EdgeLengths, FAR, Real, Seed};
 use geosweep_surface::{Convergence, Monitor, Stop, Targets};
 
-/// Returns the scanner for the kind of front, as this crate has compiled it.
+/// Returns the scanner for a kind of front, compiled in this crate.
 ///
 /// If a generic function made the scanners, the compiler would generate the code of all kinds of fronts anew in each
 /// crate that calls it. That takes one to two minutes.
@@ -94,7 +94,7 @@ const FURTHER: [f64; 6] = [0.02, 0.06, 0.15, 0.3, 0.6, 1.0];
 ///
 /// With patches, the number of iterations of a map is that of the patch with the most iterations, and
 /// [`Stop::iterations`] limits the iterations of each patch. The residual is the largest change in the last iteration
-/// of any patch, or a larger change beside a patch that had no iterations left to respond to it.
+/// of any patch, or a larger change beside a patch that had no iterations left to process it.
 #[derive(Debug)]
 pub struct RotatedScan<R> {
     edges: EdgeLengths<R>,
@@ -103,7 +103,7 @@ pub struct RotatedScan<R> {
     radius: f64,
     /// Largest arrival time of the last map. The map has no distances beyond this time.
     end: f64,
-    /// Number of points that were visited to estimate the times of targets.
+    /// Number of visited points for the estimate of the targets' times.
     foreseen: u64,
     /// The scanner for one kind of front.
     scanner: Box<dyn Scans<R>>,
@@ -196,8 +196,8 @@ impl<R: Real> RotatedScan<R> {
         self.scanner.solve(seeds, stop)
     }
 
-    /// Computes the distance map of `seeds` as far as the targets need it ([`Targets`]). The map ends when no
-    /// front that still moves can reach the targets earlier.
+    /// Computes the distance map of `seeds` up to the times of the targets ([`Targets`]). The map ends when no moving
+    /// front can reach the targets earlier.
     ///
     /// At first the map is solved up to a coarse estimate of the targets' times. As long as it has not reached the
     /// targets, it is continued to later times. Then fronts later than the targets' times are not continued.
@@ -322,7 +322,7 @@ impl<R: Real> RotatedScan<R> {
         self.scanner.updates()
     }
 
-    /// Returns the number of bytes held, without the edge lengths.
+    /// Returns the memory in bytes, without the edge lengths.
     pub fn bytes(&self) -> usize {
         self.scanner.bytes()
     }

@@ -1,4 +1,4 @@
-//! Holds the fronts of a window as one scan sees them, and runs the scan: band by band, line by line.
+//! Fronts of a window as one scan sees them, and the run of the scan: band by band, line by line.
 
 use std::ops::Range;
 
@@ -32,7 +32,7 @@ pub(crate) struct ScanCopy<R, C> {
     pub updates: u64,
 }
 
-/// Data that a scan needs beside the fronts of its window: the surface, a panel for columns, and the fronts of the
+/// Data that a scan needs besides the fronts of its window: the surface, a panel for columns, and the fronts of the
 /// whole grid if the window is smaller.
 pub(crate) struct On<'a, R, C, G> {
     pub grid: Grid<'a, R, G>,
@@ -205,7 +205,7 @@ where
     }
 }
 
-/// Returns those of `tiles` that have changed, with their marks.
+/// Returns the changed ones of `tiles`, with their marks.
 fn marked<'a>(
     tiles: &Range<usize>,
     marks: &'a [Changed],

@@ -67,8 +67,7 @@ fn shifted(range: Range<usize>, by: usize) -> Range<usize> {
 }
 
 impl Tiles {
-    /// Creates the tiles of a window, of which scans may change the block `inner`. That block consists of
-    /// whole tiles.
+    /// Creates the tiles of a window. Scans may change only the block `inner`, which consists of whole tiles.
     pub(crate) fn new(window: Window, inner: &Block) -> Self {
         let place = TilesInGrid { tiling: Tiling::new(window.own(), TILE), first: window.first() };
         let chart = place.tiling.tiles();
@@ -101,7 +100,7 @@ impl Tiles {
         self.used.fill(false);
     }
 
-    /// Returns blocks of points, row by row of tiles, that hold all points that have been reached.
+    /// Returns blocks of points, row by row of tiles, that cover all reached points.
     pub(crate) fn used(&self) -> impl Iterator<Item = Block> {
         let runs = move |row: usize| {
             let used = &self.used[row * self.chart.cols..][..self.chart.cols];
@@ -118,13 +117,13 @@ impl Tiles {
         })
     }
 
-    /// Notes that a front has reached a point, and that no scan has to continue it.
+    /// Notes a front at a point that no scan has to continue.
     pub(crate) fn note(&mut self, row: usize, col: usize) {
         let (row, col) = self.place.tile_of((row, col));
         self.used[self.chart.index(row, col)] = true;
     }
 
-    /// Notes that a point has changed and that no scan has seen the change.
+    /// Notes a change at a point that no scan has seen.
     pub(crate) fn touch(&mut self, row: usize, col: usize) {
         let (row, col) = self.place.tile_of((row, col));
         let tile = self.chart.index(row, col);
@@ -165,7 +164,7 @@ impl Tiles {
         self.chart.by(scan.lines()).cols
     }
 
-    /// Returns the index of a tile, given its band and its place in the band.
+    /// Returns the index of a tile, given its band and its position in the band.
     pub(crate) fn index(&self, scan: Scan, band: usize, place: usize) -> usize {
         let (row, col) = scan.lines().place(band, place);
         self.chart.index(row, col)
@@ -178,8 +177,8 @@ impl Tiles {
         points.by(scan.lines())
     }
 
-    /// Returns the tiles in which a scan may have to follow a change of `tile`: the tile itself, and those
-    /// beside and ahead of it.
+    /// Returns the tiles that a change of `tile` may affect in a scan: the tile itself, and those beside and ahead of
+    /// it.
     fn followed(&self, scan: Scan, tile: usize) -> Block {
         let (place, lines) = (self.chart.position(tile), scan.lines());
         let (band, _) = lines.place(place.0, place.1);
@@ -248,9 +247,9 @@ impl Tiles {
         }
     }
 
-    /// Notes that some scans have run in parallel, and which tiles they have changed. None of them has seen the changes
-    /// of the others yet. Changes beyond the limit are pending for no scan. An empty list means that the scan has
-    /// changed no tile.
+    /// Notes the tiles that some scans, run in parallel, have changed. None of these scans has seen the changes of the
+    /// others yet. Changes beyond the limit are pending for no scan. An empty list means that the scan has changed no
+    /// tile.
     pub(crate) fn passed<const N: usize>(&mut self, scans: [Scan; N], changed: [&[Changed]; N]) {
         let seen = !scans.iter().fold(0, |all, scan| all | scan.bit());
         for (tile, (pending, used)) in self.pending.iter_mut().zip(&mut self.used).enumerate() {
@@ -323,7 +322,7 @@ mod tests {
         let mut tiles = whole(70, 160);
         tiles.touch(40, 100);
         let quiet = vec![Changed::No; tiles.len()];
-        // The source lies in tile 2, 6. A scan may go on beside tiles that are due.
+        // The source lies in tile 2, 6. A scan may continue beside tiles that are due.
         all_due(&mut tiles, [Scan::DOWN, Scan::UP]);
         assert_eq!(runs(&tiles, Scan::DOWN, 1, &quiet), [[0; 2]; 0]);
         assert_eq!(runs(&tiles, Scan::DOWN, 2, &quiet), [[4, 9]]);

@@ -1,4 +1,4 @@
-//! Transposes columns of the grid into lines: computes which entries of an array move, and to where.
+//! Transposes columns of the grid into lines: computes the source and destination of each block of entries.
 
 use std::ops::Range;
 

@@ -1,4 +1,4 @@
-//! Measures how long edges typically are. The twin of `glsl/passes/typical_edge.comp`.
+//! Measures the typical length of edges. The twin of `glsl/passes/typical_edge.comp`.
 
 use geosweep_surface::constants::EDGE_LOOKS;
 use geosweep_surface::{Chart, Direction, EdgeLengths, Real};

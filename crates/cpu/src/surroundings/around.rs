@@ -15,7 +15,7 @@ use geosweep_surface::{Block, Direction, EdgeLengths, Real, Seed, Sheet, Surface
 /// Width in rows and columns of the margin around the surroundings. Edges and curvatures in the surroundings depend on
 /// the points of this margin.
 const MARGIN: usize = 5;
-/// A sufficient precision. The scans of the whole grid start from the surroundings and correct the rest.
+/// Sufficient precision: the scans of the whole grid start from the surroundings and correct the rest.
 const STOP: Stop = Stop::within(1e-8).or_after(100);
 
 /// The points around a source, also over seams. Their rows and columns are those of a part of the surface, with a
@@ -41,9 +41,8 @@ impl<'a> Surroundings<'a> {
         Self { surface, sheet, own, edges }
     }
 
-    /// Returns the fronts that come from the source's seeds on paths inside the surroundings, as seeds at rows and
-    /// columns of the surroundings. Scans of the whole grid replace these fronts where a front on a path outside is
-    /// earlier.
+    /// Returns the fronts of the source's seeds on paths inside the surroundings, as seeds at rows and columns of the
+    /// surroundings. Where a path outside is shorter, scans of the whole grid replace these fronts.
     pub(super) fn seeds(&self, wavefront: Wavefront, own: &[Seed]) -> Vec<Seed> {
         let Some(edges) = &self.edges else { return Vec::new() };
         let points: Vec<_> = own.iter().map(|seed| (seed.row, seed.col)).collect();
@@ -53,7 +52,7 @@ impl<'a> Surroundings<'a> {
         for_triangle_kind!(edges, wavefront, kind => self.arrived(edges, kind, &own))
     }
 
-    /// Returns seeds of the surroundings at rows and columns of the whole surface.
+    /// Converts seeds of the surroundings to rows and columns of the whole surface.
     pub(super) fn on_surface(&self, mut seeds: Vec<Seed>) -> Vec<Seed> {
         for seed in &mut seeds {
             (seed.row, seed.col) = self.sheet.point((seed.row, seed.col));
@@ -84,7 +83,7 @@ impl<'a> Surroundings<'a> {
     }
 
     /// Returns whether fronts can leave the surroundings at a point: the point lies on a border beyond which the grid
-    /// continues, or has copies to which the grid does not go on, as at a pole.
+    /// continues, or has copies beyond which the grid ends, as at a pole.
     pub(super) fn is_at_way_out(&self, (row, col): (usize, usize)) -> bool {
         let chart = self.sheet.chart();
         let leaves = |own: &Range<usize>, at: usize, all: usize| {

@@ -1,12 +1,11 @@
-//! Solves the surroundings of each point source alone where point sources lie close together.
+//! Solves the surroundings of each point source separately where point sources lie close together.
 //!
-//! Where fronts of two sources meet, a curved update treats them as one front. Two fronts that arrive
-//! together at the ends of a base look like a circle around a place between their sources, and this circle
-//! arrives too early. The fronts of neighbouring sources move side by side, so that the error adds up: to an
-//! eighth of a cell on square cells, and to a third of the distance on others. The error of a single update
-//! decreases with the square of the distance from the sources. So each source's front is solved alone for
-//! some cells. The earliest fronts become seeds, and no front through a triangle replaces them
-//! ([`Seed::exact`]).
+//! Where fronts of two sources meet, a curved update treats them as one front. Two fronts that arrive together at the
+//! ends of a base look like a circle around a point between their sources, and this circle arrives too early. The
+//! fronts of neighbouring sources move side by side, so that the error adds up: to an eighth of a cell on square cells,
+//! and to a third of the distance on others. The error of a single update decreases with the square of the distance
+//! from the sources. So each source's front is solved alone for some cells. The earliest fronts become seeds, and no
+//! front through a triangle replaces them ([`Seed::exact`]).
 //!
 //! Where all cells are alike this is not needed: there the numbers of origins tell fronts apart
 //! (`crates/surface/src/update/sight.rs`).
@@ -66,8 +65,8 @@ pub(crate) fn around_clusters(
     Seed::earliest(found).into_iter().filter(|seed| seed.exact).collect()
 }
 
-/// Returns the sources from which a front goes out. A source is left out if all neighbouring grid points have
-/// sources that start as early.
+/// Returns the sources whose fronts reach other points. Omits a source if all neighbouring grid points have sources
+/// that start as early.
 fn outer(surface: &Surface, sources: &[Origin]) -> Vec<Origin> {
     let at_point =
         |at: DVec2| (at.fract() == DVec2::ZERO).then_some((at.x as usize, at.y as usize));
@@ -109,16 +108,16 @@ fn crowded(surface: &Surface, sources: &[Origin]) -> Option<(Vec<Origin>, usize)
     })
 }
 
-/// Places sorted into squares of the grid, to find those that are near each other, also over seams.
+/// Positions sorted into squares of the grid, to find those that are near each other, also over seams.
 struct Places {
     side: f64,
-    /// Each place, and the same place beyond the sides of the grid, with its number.
+    /// Number and position of each entry, repeated for its copies beyond the sides of the grid.
     all: Vec<(DVec2, usize)>,
     by_square: BTreeMap<(i64, i64), Vec<usize>>,
 }
 
 impl Places {
-    /// Sorts places, to find the places within `reach` rows and columns of a point.
+    /// Sorts positions, to find those within `reach` rows and columns of a point.
     fn of(surface: &Surface, places: impl Iterator<Item = DVec2>, reach: usize) -> Self {
         let side = reach as f64;
         let images = |(number, at): (usize, DVec2)| {
@@ -138,7 +137,7 @@ impl Places {
         (square.x as i64, square.y as i64)
     }
 
-    /// Returns the numbers of the places near `at`.
+    /// Returns the numbers of the positions near `at`.
     fn around(&self, at: DVec2) -> BTreeSet<usize> {
         let (row, col) = self.square(at);
         let squares: BTreeSet<_> = (-1..=1)
@@ -152,7 +151,7 @@ impl Places {
     }
 }
 
-/// The front of a source that is alone.
+/// The front of a source in the absence of other sources.
 struct Alone {
     at: DVec2,
     /// Seeds at the points that the front reaches, exact where no other known front comes first.

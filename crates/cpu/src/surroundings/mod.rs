@@ -35,7 +35,7 @@ const REACH: usize = 8;
 /// 1025 x 1025 points is 2.7e-6 with 8, 2.1e-6 with 12 and 2.0e-6 with 16. The last figure is also the error of fronts
 /// that are not causal at all.
 const REACH_AMONG_OBTUSE: usize = 16;
-/// Minimum number of rows and columns. With fewer there is little to gain.
+/// Minimum number of rows and columns. Fewer would gain little.
 const LEAST_REACH: usize = 4;
 /// Minimum number of grid points per point of all surroundings together. Solving one point of the
 /// surroundings takes about as long as the surroundings save at `SHARE` grid points.
@@ -141,7 +141,7 @@ fn by_source(seeds: &[Seed]) -> Vec<(DVec2, Vec<Seed>)> {
     }))
 }
 
-/// Returns seeds grouped by the places that are given with them.
+/// Returns seeds grouped by the positions given with them.
 fn grouped(seeds: impl IntoIterator<Item = (DVec2, Seed)>) -> Vec<(DVec2, Vec<Seed>)> {
     let mut found = BTreeMap::<_, (DVec2, Vec<Seed>)>::new();
     for (from, seed) in seeds {
@@ -202,15 +202,15 @@ fn few_in_long_cells(wavefront: Wavefront, surface: &Surface, seeds: &[Seed]) ->
 fn by_point(seeds: &[Seed]) -> Option<Vec<(DVec2, Vec<Seed>)>> {
     let of_point = |seed: &Seed| {
         let from = seed.from.unwrap_or(seed.place());
-        // Cells differ here, so that straight lines of the chart are none of the surface.
+        // Cells differ here, so straight lines of the chart are not straight on the surface.
         let unnamed = Seed { from: Some(from), origin: None, ..*seed };
         seed.origin?.is_point().then_some((from, unnamed))
     };
     Some(grouped(seeds.iter().map(of_point).collect::<Option<Vec<_>>>()?))
 }
 
-/// Returns the reach of surroundings in rows and columns, if a cell beside a source is long: as far in space across the
-/// cells as along them.
+/// Returns the reach of surroundings in rows and columns if a cell beside a source is long. In space, the reach across
+/// the cells equals that along them.
 fn reach_in_long_cells(surface: &Surface, source: DVec2) -> Option<[usize; 2]> {
     let cells = surface.chart().around_place(source, 1);
     let cells = surface.window(cells.rows, cells.cols);

@@ -1,10 +1,10 @@
 //! Adds seeds along straight lines from their origins, on surfaces whose cells are all alike.
 //!
-//! A grid point has one seed, that of the first front. Where several sources lie within a few cells, the
-//! region in which one of them is first may be too narrow near that source to contain a grid point. Its front
-//! would be lost, though its region widens further away. Cells that are alike have one metric. If no hole is
-//! in between, a front's time is the distance along a straight line of the chart. So all points within a few
-//! cells of a crowded place become seeds.
+//! A grid point has one seed, that of the first front. Where several sources lie within a few cells, the region in
+//! which one of them is first may be too narrow near that source to contain a grid point. Its front would be lost,
+//! though its region widens further away. Cells that are alike have one metric. If no hole is in between, a front's
+//! time is the distance along a straight line of the chart. So all points within a few cells of crowded sources become
+//! seeds.
 
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
@@ -14,9 +14,9 @@ use glam::DVec2;
 use super::around::Surroundings;
 use geosweep_surface::{Direction, EdgeLengths, Origin, Real, Seed, Surface};
 
-/// Number of rows and columns around a crowded place.
+/// Reach of such seeds around crowded sources, in rows and columns.
 const REACH: usize = 6;
-/// Maximum number of sources. A larger crowd has no such seeds.
+/// Maximum number of sources. With more sources, no such seeds are added.
 const MOST_ORIGINS: usize = 1000;
 
 /// Returns seeds around those ends of straight sources that have another source near.
@@ -54,8 +54,8 @@ pub(super) fn origins(seeds: &[Seed]) -> Vec<Origin> {
     all.collect::<BTreeMap<_, _>>().into_values().collect()
 }
 
-/// Returns the place of a source that is nearest to `at`, measured in rows and columns, and the larger of the
-/// distances in rows and in columns.
+/// Returns the point of a source that is nearest to `at`, measured in rows and columns, and the larger of the distances
+/// in rows and in columns.
 fn nearest(origin: &Origin, at: DVec2) -> (DVec2, f64) {
     let [a, b] = origin.ends;
     let along = b - a;
@@ -65,7 +65,7 @@ fn nearest(origin: &Origin, at: DVec2) -> (DVec2, f64) {
     (place, (at - place).abs().max_element())
 }
 
-/// Returns whether all grid points around the straight line between two places exist.
+/// Returns whether all grid points around the straight line between two points exist.
 fn has_no_hole(surface: &Surface, (row, col): (usize, usize), to: DVec2) -> bool {
     let span = |at: usize, to: f64| -> RangeInclusive<usize> {
         at.min(to.floor() as usize)..=at.max(to.ceil() as usize)
@@ -98,7 +98,7 @@ impl SurfaceData {
         a.x * (rr * b.x + rc * b.y) + a.y * (rc * b.x + cc * b.y)
     }
 
-    /// Returns the place on an origin from which a front comes to a grid point along a straight line, and the seed at
+    /// Returns the point of an origin from which a front reaches a grid point along a straight line, and the seed at
     /// the grid point.
     fn seed(&self, origin: &Origin, (row, col): (usize, usize)) -> (DVec2, Seed) {
         let at = DVec2::new(row as f64, col as f64);

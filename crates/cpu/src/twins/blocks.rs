@@ -12,8 +12,8 @@ use geosweep_surface::constants::SPLIT_REACH;
 use geosweep_surface::update::Wavefront;
 use geosweep_surface::{Chart, EdgeLengths, Real, Seed, Tiling};
 
-/// Flags of the blocks that an iteration has visited. For each of the scans down, up, right and left, there is one flag
-/// for each block of rows or of columns, starting with the first block.
+/// Flags of the blocks that an iteration has visited: for each of the scans down, up, right and left, one flag per
+/// block of rows or columns, in ascending order.
 pub type Visits = [Vec<bool>; 4];
 
 /// Solves as [`super::scan_in_turn`] or [`super::scan_in_pairs`] does, bit for bit, in blocks of `lines`
@@ -129,7 +129,7 @@ impl Due {
         Self { lines, blocks, after: Vec::new() }
     }
 
-    /// Makes the blocks due that have waited for the end of a phase.
+    /// Marks the blocks in `after` as due, at the end of a phase.
     fn end_phase(&mut self) {
         for (scan, block) in self.after.drain(..) {
             self.blocks[scan][block] = true;

@@ -20,7 +20,7 @@ use super::behind::Behind;
 use super::scan::Scan;
 use geosweep_surface::Chart;
 
-/// Returns what lies behind a point in each of the four scans of an iteration.
+/// Returns the neighbours behind a point in each of the four scans of an iteration.
 fn behind(chart: Chart) -> [Behind; 4] {
     Scan::ALL.map(|scan| Behind::of(chart, scan))
 }

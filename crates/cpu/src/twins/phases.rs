@@ -1,5 +1,5 @@
-//! Defines in which order the scans of an iteration visit blocks of lines: in turn or in pairs. The twin of
-//! the plans of the raster schedule.
+//! Order in which the scans of an iteration visit blocks of lines: in turn or in pairs. The twin of the plans of the
+//! raster schedule.
 
 use std::ops::Range;
 
@@ -12,16 +12,15 @@ use geosweep_surface::{Chart, Real, Tiling};
 /// Order of the four scans of an iteration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ScanOrder {
-    /// Each scan after the one before: down, up, right, left.
+    /// One scan after another: down, up, right, left.
     InTurn,
-    /// Two opposite scans at the same time, on opposite halves of the grid: down with up, then right with
-    /// left. Each pair has two phases. In the first one, both scans come from the ends of the grid to its
-    /// middle. In the second one, they go on into the other half. No scan sees what the other one does in the
-    /// same phase.
+    /// Two opposite scans at the same time, on opposite halves of the grid: down with up, then right with left. Each
+    /// pair has two phases. In the first one, both scans come from the ends of the grid to its middle. In the second
+    /// one, they continue into the other half. No scan sees the other's changes in the same phase.
     InPairs,
 }
 
-/// Blocks of lines that one scan visits in a phase. Other scans of the phase are at work elsewhere.
+/// Blocks of lines that one scan visits in a phase. Other scans of the phase visit other blocks.
 #[derive(Clone, Debug)]
 pub(super) struct ScanPart {
     pub scan: Scan,
@@ -32,8 +31,8 @@ pub(super) struct ScanPart {
 }
 
 impl ScanOrder {
-    /// Returns the phases of an iteration in blocks of `lines` lines of texels, which are pairs of rows or
-    /// columns. No part of a phase sees what another part of the phase has done.
+    /// Returns the phases of an iteration in blocks of `lines` lines of texels, which are pairs of rows or columns. No
+    /// part of a phase sees the changes of another part.
     pub(super) fn phases(self, chart: Chart, lines: usize) -> Vec<Vec<ScanPart>> {
         let part = |scan: Scan, half: Option<bool>| {
             let tiling = Tiling::new(chart.by(scan.lines()), 2 * lines);

@@ -15,11 +15,11 @@ type Place = [f32; 2];
 /// Arrival time of a seed's own front, and its label, at a point that has a seed.
 type Start = Option<(f32, u32)>;
 
-/// The region of a point, as far as it is known.
+/// Current knowledge of a point's region.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Link {
     Label(u32),
-    /// The index of an earlier point, whose label applies if the way leads nowhere.
+    /// Index of an earlier point, whose label applies if the path ends without a label.
     Parent(usize),
     /// No front arrives.
     Nothing,
@@ -73,8 +73,8 @@ fn solve<K: TriangleKind<f32>>(
     links.into_iter().map(label).collect()
 }
 
-/// Returns the number of passes that extend a way past as many points as the grid has. Each pass lengthens
-/// the way by a factor of `jumps` + 1.
+/// Returns the number of passes after which paths extend over as many points as the grid has. Each pass lengthens a
+/// path by a factor of `jumps` + 1.
 fn rounds(chart: Chart, jumps: u32) -> u32 {
     let (mut rounds, mut reach) = (1, u64::from(jumps) + 1);
     while reach < chart.points() as u64 {
@@ -113,7 +113,7 @@ fn share_starts(copies: &[Vec<usize>], starts: &mut [Start]) {
     }
 }
 
-/// Gives all copies of a point the way of the copy that a front reaches first.
+/// Gives all copies of a point the path of the copy that a front reaches first.
 fn share_ways(copies: &[Vec<usize>], ways: &mut [(f32, Link, Place)]) {
     for group in copies {
         let of_group = group.iter().map(|&copy| ways[copy]);
@@ -122,8 +122,8 @@ fn share_ways(copies: &[Vec<usize>], ways: &mut [(f32, Link, Place)]) {
     }
 }
 
-/// Returns the arrival time of the front at a point, the link of the point, and the place at which its way crosses the
-/// base of its triangle.
+/// Returns the arrival time of the front at a point, the link of the point, and the position at which its path crosses
+/// the base of its triangle.
 fn begin<K: TriangleKind<f32>>(
     chart: Chart,
     fronts: &PointFronts<f32, K>,
@@ -140,7 +140,7 @@ fn begin<K: TriangleKind<f32>>(
         return (f32::FAR, Link::Nothing, own);
     }
     let first_copy = |point: usize| first_copies[chart.index_of(point)];
-    // Ways lead only to earlier points, so that none leads in a circle. Copies of a point are one point, although their
+    // Paths lead only to earlier points, so there are no cycles. Copies of a point count as one point, although their
     // times may differ by rounding.
     let own_copy = first_copies[index];
     let earlier = |other: usize| {
@@ -177,7 +177,7 @@ fn begin<K: TriangleKind<f32>>(
     (first.0, Link::Parent(chart.index(row, col)), place)
 }
 
-/// Extends a way by the ways of other points.
+/// Extends a path by the paths of other points.
 fn flow(chart: Chart, links: &[Link], places: &[Place], index: usize) -> (Link, Place) {
     let (mut link, mut place) = (links[index], places[index]);
     for _ in 0..FLOW_JUMPS {
@@ -193,7 +193,7 @@ fn flow(chart: Chart, links: &[Link], places: &[Place], index: usize) -> (Link, 
     (link, place)
 }
 
-/// Returns the next place of a way after a place, or the label there, or `None` if the way leads nowhere.
+/// Returns the next position of a path, or the label there, or `None` if the path ends without a label.
 fn step(
     chart: Chart,
     links: &[Link],
@@ -237,7 +237,7 @@ fn step(
     Some(Ok([0, 1].map(|k| (on[k] + off[k] / sum).clamp(0.0, last[k] as f32))))
 }
 
-/// Returns the label of a point's first ancestor that has one, for points whose ways lead nowhere.
+/// Returns the label of a point's first ancestor that has one, for points whose paths end without a label.
 fn jump(links: &[Link], index: usize) -> Link {
     let mut link = links[index];
     for _ in 0..PARENT_JUMPS {

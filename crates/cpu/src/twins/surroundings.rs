@@ -121,8 +121,8 @@ impl Window {
         self.rows.clone().flat_map(|row| self.cols.clone().map(move |col| (row, col)))
     }
 
-    /// Returns the time up to which no front from elsewhere is first. `first` is the start time of the
-    /// earliest source.
+    /// Returns the time up to which no other source's front can be first. `first` is the start time of the earliest
+    /// source.
     fn exact_until<R: Real, K: PointKind<R>>(
         &self,
         alone: &PointFronts<R, K>,
@@ -130,8 +130,8 @@ impl Window {
         first: f64,
     ) -> R {
         let is_glued = alone.edges.copies().is_some();
-        // Whether the grid continues beyond a texel at the side of the window, or fronts may leave through a side
-        // of the grid there.
+        // Returns whether the grid continues beyond a texel at the side of the window, or fronts may leave through a
+        // side of the grid there.
         let leaves = |span: &Range<usize>, at: usize, all: usize| {
             let is_at_side = [0, (all - 1) / 2].contains(&(at / 2));
             at < span.start + 2 && span.start > 0

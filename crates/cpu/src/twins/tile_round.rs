@@ -21,8 +21,8 @@ pub struct Rounds {
     pub tile: usize,
     /// Largest number of iterations of four scans inside a tile in one round.
     pub inner: u32,
-    /// Number of rounds of a recording. At the end of a recording, `settle.comp` decides whether curved fronts are
-    /// still renewed.
+    /// Number of rounds per recording. At the end of each recording, `settle.comp` decides whether to keep renewing
+    /// curved fronts.
     pub recorded: u32,
     /// Number of tiles on the list above which tiles that are due much later than the first one wait. It is 0 in
     /// shaders on CPUs and 64 on GPUs. With `None`, no tile waits.
@@ -112,7 +112,7 @@ struct Tiles<R: Real, K: PointKind<R>> {
     renews: bool,
 }
 
-/// The outcome of a round, of the visit of a tile, or of an exchange.
+/// Outcome of a round, of a visit to a tile, or of an exchange.
 #[derive(Default)]
 struct Visit<B> {
     /// Largest change that another round has to pass on.
@@ -292,9 +292,8 @@ impl<R: Real, K: PointKind<R>> Tiles<R, K> {
         Visit { unsettled: change.max(border_change), reached }
     }
 
-    /// Makes the four copies of the fronts at a point equal again, with the first front to arrive, and
-    /// returns the change. A front that the copy's own scan has not brought is the old one and does not
-    /// count.
+    /// Makes the four copies of the fronts at a point equal again, with the first front to arrive, and returns the
+    /// change. A front that is not from the copy's own scan is old and does not count.
     fn merge(&mut self, after: &mut PointFronts<R, K>, point: usize) -> R::Bits {
         let change = after.take_first(&self.copies, point);
         self.copies.iter_mut().for_each(|copy| copy.copy_point(after, point));

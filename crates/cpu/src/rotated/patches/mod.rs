@@ -56,9 +56,9 @@ macro_rules! visits {
 pub(crate) struct Plan {
     /// Number of points on a side of a patch, a multiple of [`TILE`].
     pub side: usize,
-    /// Largest delay of a patch after the earliest patch, in sides of a patch. Patches that are due later wait.
+    /// Maximum delay of a patch relative to the earliest patch, in sides of a patch. Patches that are due later wait.
     pub band: f64,
-    /// Largest delay of a patch after any neighbour, in sides of a patch. Patches that are due later wait.
+    /// Maximum delay of a patch relative to any neighbour, in sides of a patch. Patches that are due later wait.
     pub lag: f64,
     /// Largest number of iterations in a visit.
     pub inner: u32,
@@ -94,7 +94,7 @@ pub(crate) struct PatchScanner<R: Real, K: LaneKind<R>> {
     woken: Vec<Option<R>>,
     /// Number of points that were examined to find patches that are due, since the start of the map.
     looked: u64,
-    /// Largest change along the border of a patch that had no iterations left to respond to it.
+    /// Largest change along the border of a patch that had no iterations left to process it.
     unseen: R::Bits,
 }
 
@@ -178,7 +178,7 @@ impl<R: Real, K: LaneKind<R>> PatchScanner<R, K> {
         self.wake();
     }
 
-    /// Notifies all patches that see a point: the front there has changed to `time`.
+    /// Notifies all patches that see a point that its front has changed to `time`.
     fn touch(&mut self, (row, col): (usize, usize), time: R) {
         for patch in self.seeing((row, col)) {
             self.patches[patch].tiles.touch(row, col);

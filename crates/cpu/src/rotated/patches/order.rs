@@ -30,8 +30,8 @@ impl<R: Real> Dues<R> {
         *due = Some(due.map_or(time, |due| due.min(time)));
     }
 
-    /// Removes and returns the patches of the next round: of the patches that do not wait, the earliest ones, at most
-    /// `most`, in ascending order of their numbers. Patches that are due later than `limit` are never visited.
+    /// Removes and returns the patches of the next round: the earliest patches that do not wait, at most `most`, in
+    /// ascending order of their numbers. Patches that are due later than `limit` are never visited.
     pub(super) fn next_round(&mut self, most: usize, limit: R) -> Vec<usize> {
         let Some(first) = self.due.iter().flatten().copied().reduce(R::min) else {
             return Vec::new();

@@ -1,4 +1,4 @@
-//! Holds the working memory of visits to patches. Later rounds reuse it.
+//! Working memory of visits to patches, which later rounds reuse.
 
 use std::sync::Mutex;
 
@@ -15,7 +15,7 @@ use geosweep_surface::{Block, Chart, Direction, Real};
 #[derive(Clone, Debug)]
 pub(super) struct Room<R: Real, C> {
     pub copy: ScanCopy<R, C>,
-    /// Blocks that hold all tiles of the patch that have changed.
+    /// Blocks that cover all changed tiles of the patch.
     changed: Vec<Block>,
     /// Changes of the window's tiles.
     pub marks: Vec<Changed>,
@@ -25,7 +25,7 @@ pub(super) struct Room<R: Real, C> {
     pub iterations: u32,
     /// Whether the last iteration changed nothing by more than the tolerance.
     pub settled: bool,
-    /// Earliest time that is still to be updated, if the patch has not settled.
+    /// Earliest time whose update is pending, if the patch has not settled.
     pub first: R,
     /// Number of points that were examined before scans started, since the start of the map.
     pub looked: u64,
@@ -90,7 +90,7 @@ impl<R: Real, C: Carried> Room<R, C> {
         &self.changed
     }
 
-    /// Copies what has changed to a band of the grid's arrays, whose first row is `first`.
+    /// Copies the changed blocks to a band of the grid's arrays, whose first row is `first`.
     pub(super) fn store(&self, chart: Chart, first: usize, times: &mut [R], carried: &mut [C]) {
         let from = self.copy.fronts();
         for Block { rows, cols } in &self.changed {
@@ -114,7 +114,7 @@ impl<R, C, G> Default for Pool<R, C, G> {
     }
 }
 
-/// A copy has no panels yet.
+/// A clone starts without panels.
 impl<R, C, G> Clone for Pool<R, C, G> {
     fn clone(&self) -> Self {
         Self::default()

@@ -170,10 +170,10 @@ impl<R: Real, K: LaneKind<R>> Visits<'_, R, K> {
     }
 }
 
-/// Returns the four scans in the order of a visit: first the two in whose directions the fronts around a block move,
-/// then the opposite ones. The first two bring final fronts to most points, and the others change little. The rise of
-/// the times along the sides of the block gives the direction. If no side gives it, fronts are assumed to come from
-/// the sides that they have reached.
+/// Returns the four scans in the order of a visit: first the two along which the fronts around a block move, then the
+/// opposite ones. The first two bring final fronts to most points, and the others change little. The times along the
+/// sides of the block rise in the direction of the fronts. If no side shows a rise, fronts are assumed to come from the
+/// sides that they have reached.
 fn in_order<R: Real, C: Carried>(fronts: Fronts<R, C>, block: &Block) -> [Scan; 4] {
     // Rows and columns of the points around, counted from the border.
     let rows = [block.rows.start, block.rows.end + 1];
