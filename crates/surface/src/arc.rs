@@ -77,8 +77,7 @@ impl std::fmt::Display for EdgeRule {
 }
 
 impl EdgeRule {
-    /// Returns the part of the area of a point's fan of eight triangles over which the angle defect at its tip is
-    /// spread.
+    /// Returns the share of the area of a point's fan of eight triangles that carries the angle defect at its tip.
     ///
     /// With chords the fan is a part of the polyhedron, and its tip stands for the area of one cell of the four in the
     /// fan (exactly so where the grid follows the lines of curvature). With arcs each angle of a curved triangle is
@@ -122,9 +121,9 @@ pub(super) fn end_bend<R: Real>(next: R, after: R) -> R {
     if is_known & ((next > R::zero()) == (after > R::zero())) { smaller } else { R::zero() }
 }
 
-/// Returns the bends at a point along the lines of [`STORED`]. `ways` are the vectors to its eight
-/// neighbours, `there` says which neighbours exist, and `normal` is the surface normal. A bend is
-/// [`Real::FAR`] where a neighbour on the line is missing.
+/// Returns the bends at a point along the lines of [`STORED`]. `ways` are the vectors to its eight neighbours, `there`
+/// marks the existing neighbours, and `normal` is the surface normal. A bend is [`Real::FAR`] where a neighbour on the
+/// line is missing.
 #[inline(always)]
 pub(super) fn bends<R: Real, S: Space<R>>(
     ways: [[R; 3]; 8],
@@ -262,7 +261,7 @@ mod tests {
 
     #[test]
     fn arcs_are_measured_along_the_surface_not_along_grid_lines() {
-        // A polar grid of a plane: the circles bend, the plane does not.
+        // A polar grid of a plane: circles bend, but the plane is flat.
         let point = |index: usize| {
             let (angle, radius) = (0.2 * (index % 7) as f64, 1.0 + 0.1 * (index / 7) as f64);
             DVec3::new(radius * angle.cos(), radius * angle.sin(), 0.25)

@@ -69,12 +69,12 @@ impl Surface {
         Ok(Coarsened { surface, fine, rows, cols })
     }
 
-    /// Returns the rows and columns that stay.
+    /// Returns the rows and columns of the coarse grid.
     fn coarse_lines(&self, through: &[[usize; 2]]) -> Result<[Vec<usize>; 2], SurfaceError> {
         let Chart { rows, cols } = self.chart();
         let evenly = !self.geometry().has_positions();
         let ends = [[0, 0], [rows - 1, cols - 1]];
-        // Where seams would not meet, the second attempt gives up the points of `through`. The third one counts in
+        // If seams would not meet, the second attempt ignores the points of `through`, and the third one counts in
         // steps of two from both ends.
         for through in [through, &[], &ends] {
             let lines = |points, axis: usize| {
@@ -226,7 +226,7 @@ impl Coarsened {
         DVec2::new(place_among(&self.rows, fine.x), place_among(&self.cols, fine.y))
     }
 
-    /// Returns the places where a segment crosses a row or column at which the steps change.
+    /// Returns the points where a segment crosses a row or column at which the steps change.
     fn cuts(&self, from: DVec2, to: DVec2) -> Vec<DVec2> {
         let mut cuts = Vec::new();
         for (axis, lines) in [&self.rows, &self.cols].into_iter().enumerate() {

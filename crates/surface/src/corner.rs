@@ -5,10 +5,9 @@ use super::chart::{Direction, ring};
 /// Presence of each neighbour of a grid point, in the order of [`Direction::ALL`].
 type There = [bool; Direction::ALL.len()];
 
-/// Returns whether a path can leave a grid point between the direction `eighth` and the next one. It can if
-/// the point's triangle with its neighbours in both directions is present. It also can if the cell's two
-/// other corners on the row and on the column of the point are present, since their triangle with the point
-/// covers the beginning of this eighth.
+/// Returns whether a path can leave a grid point between the direction `eighth` and the next one. This holds if the
+/// point's triangle with its neighbours in both directions is present. It also holds if the cell's corners on the row
+/// and on the column of the point are present, since their triangle with the point covers the beginning of this eighth.
 pub fn is_open(there: There, eighth: usize) -> bool {
     let first = eighth / 2 * 2;
     let diagonal = ring::next(first);
@@ -26,8 +25,8 @@ pub fn is_open(there: There, eighth: usize) -> bool {
     }
 }
 
-/// Returns whether a grid point is a corner, at which a shortest path can bend: whether less than half a turn
-/// around it is blocked, between two directions that a path can take.
+/// Returns whether a shortest path can bend at a grid point: whether two directions open to paths enclose a blocked
+/// range of less than half a turn.
 pub fn is_corner(there: There) -> bool {
     let at = |index: usize| there[index % 8];
     let open = |eighth: usize| is_open(there, eighth % 8);

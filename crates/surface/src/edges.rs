@@ -1,4 +1,4 @@
-//! Edge lengths: all that the solvers know of a surface.
+//! Edge lengths, the solvers' only knowledge of a surface.
 
 use std::ops::Range;
 use std::sync::{Arc, OnceLock};
@@ -18,8 +18,8 @@ use super::real::Real;
 /// The update of a triangle uses three such edges, so it needs no special case for masks and metrics. The arrays have a
 /// border of missing points. They take 16 bytes per point in single precision.
 ///
-/// A clone shares the arrays and whatever solvers compute and store with them, so cloning is cheap. Solvers that
-/// live long hold a clone. The memory is freed with the last clone.
+/// A clone shares the arrays and the data that solvers compute and store with them, so cloning is cheap. Long-lived
+/// solvers own a clone. The memory is freed with the last clone.
 #[derive(Clone, Debug)]
 pub struct EdgeLengths<R> {
     /// The shared arrays. Fast loops borrow an array before they start, so that they do not follow this pointer
@@ -52,7 +52,7 @@ pub(super) struct SharedEdges<R> {
     pub(super) parts: SplitParts<R>,
     /// See [`EdgeLengths::copies`].
     pub(super) copies: Option<Groups>,
-    /// SplitParts of the grid across its seams.
+    /// Strips of the grid across its seams.
     pub(super) strips: Vec<Strip<R>>,
     /// Whether these are the edges of a glued surface or of a strip of one.
     pub(super) of_glued: bool,
@@ -112,7 +112,7 @@ impl<R: Real> EdgeLengths<R> {
     }
 
     /// Returns whether the front of a single source may meet itself, as the fronts of several sources meet each other.
-    /// It may if the slowness is uneven, or if there are obtuse triangles, as on steep surfaces.
+    /// This is possible if the slowness is uneven, or if there are obtuse triangles, as on steep surfaces.
     #[doc(hidden)]
     #[inline]
     pub fn front_meets_itself(&self) -> bool {
@@ -128,8 +128,7 @@ impl<R: Real> EdgeLengths<R> {
         self
     }
 
-    /// Returns the groups of points that are one point of the surface, by their indices in bordered arrays, if
-    /// the surface is glued.
+    /// Returns, for a glued surface, the groups of copies of one surface point, by their indices in bordered arrays.
     #[doc(hidden)]
     #[inline]
     pub fn copies(&self) -> Option<&Groups> {
@@ -193,8 +192,8 @@ impl<R: Real> EdgeLengths<R> {
         self.shared.rule
     }
 
-    /// Returns the number of bytes held. This includes the Gaussian curvature and the parts of obtuse
-    /// triangles once a solver has requested them.
+    /// Returns the memory in bytes. This includes the Gaussian curvature and the parts of obtuse triangles once a
+    /// solver has requested them.
     pub fn bytes(&self) -> usize {
         let SharedEdges {
             metric_curvature, gaussian_curvature, obtuse, parts, strips, copies, ..

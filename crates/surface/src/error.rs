@@ -29,7 +29,7 @@ pub enum SurfaceError {
         /// Number of columns of the grid.
         cols: usize,
     },
-    /// The grid has so many points that 32-bit numbers do not serve for them.
+    /// The grid has too many points for 32-bit indices.
     #[error(
         "a grid of {rows} x {cols} points is too large: with {AROUND} lines on each side, it may have at most {} points; take a coarser grid or a part of the surface",
         u32::MAX
@@ -146,7 +146,7 @@ pub(super) fn check_shape(
     }
 }
 
-/// Checks that 32-bit numbers serve for the points of a grid and of the lines that engines keep around it.
+/// Checks that 32-bit indices suffice for the points of a grid and of the lines that engines store around it.
 pub(super) fn check_size(Chart { rows, cols }: Chart) -> Result<(), SurfaceError> {
     let around = |lines: usize| lines.checked_add(2 * AROUND);
     let points = around(rows).zip(around(cols)).and_then(|(rows, cols)| rows.checked_mul(cols));

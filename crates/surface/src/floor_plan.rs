@@ -6,10 +6,9 @@ use rayon::prelude::*;
 use super::{ANCHORS, Chart, EvenGrid, Surface, kept};
 
 impl Surface {
-    /// Returns whether the surface is a floor plan: a flat, evenly spaced grid without a slowness and without
-    /// gluing, with or without holes. The grid may be sheared as long as no triangle of neighbours is obtuse.
-    /// It may have about 30 million points at most. From point sources over a floor plan,
-    /// [`crate::Wavefront::Anchored`] is exact.
+    /// Returns whether the surface is a floor plan: a flat, evenly spaced grid without a slowness and without gluing,
+    /// with or without holes. The grid may be sheared as long as no triangle of neighbours is obtuse. The maximum size
+    /// is about 30 million points. From point sources over a floor plan, [`crate::Wavefront::Anchored`] is exact.
     ///
     /// ```
     /// use geosweep::{Spacing, Surface};
@@ -54,7 +53,7 @@ impl Surface {
     }
 }
 
-/// Upper bound for the number of rows and columns that engines keep around a grid.
+/// Maximum number of rows and columns that engines store around a grid.
 pub(super) const AROUND: usize = 16;
 
 /// Returns whether fronts can carry the numbers of all points of a grid.

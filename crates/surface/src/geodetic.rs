@@ -9,7 +9,7 @@ use super::{Chart, CompletedGrid, GluingError, GridSide, Seam, Surface, SurfaceE
 const EQUATOR: f64 = 6_378_137.0;
 /// Flattening of the WGS84 ellipsoid.
 const FLATTENING: f64 = 1.0 / 298.257_223_563;
-/// Largest gap that one more line closes, in steps between lines. The gap lies between the outermost row and a pole, or
+/// Maximum gap that a single added line closes, in steps between lines: between the outermost row and a pole, or
 /// between the last column and the first one.
 const LARGEST_GAP: f64 = 1.5;
 /// Largest distance of two lines that count as one, as a part of a step.
@@ -27,7 +27,7 @@ pub enum GeodeticError {
     Latitude {
         /// Number of the row.
         row: usize,
-        /// Its latitude.
+        /// Latitude of the row.
         degrees: f64,
     },
     /// Lines do not follow each other in one direction.
@@ -40,7 +40,7 @@ pub enum GeodeticError {
         what: &'static str,
         /// Number of the line.
         number: usize,
-        /// Its latitude or longitude.
+        /// Latitude or longitude of the line.
         degrees: f64,
         /// The value at the line before.
         before: f64,
@@ -51,7 +51,7 @@ pub enum GeodeticError {
         /// Difference of the last longitude and the first one.
         degrees: f64,
     },
-    /// There are too few lines to know where the grid ends.
+    /// The grid has too few lines to determine its ends.
     #[error(
         "a grid of {rows} x {cols} points on the Earth is too small; give at least four of each"
     )]
@@ -170,8 +170,8 @@ impl GeodeticGrid {
         }
     }
 
-    /// Returns the lines of the grid, with those that are added: a row at a pole, and a column where the grid goes round.
-    /// They convert values and places between the given grid and the surface's. The value at a pole is a mean
+    /// Returns the completed grid, with the added lines: a row at a pole, and a column where the grid goes round. It
+    /// converts values and positions between the given grid and the surface's. The value at a pole is a mean
     /// ([`CompletedGrid::extend`]).
     pub fn lines(&self) -> &CompletedGrid {
         &self.lines

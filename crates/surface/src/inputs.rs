@@ -1,4 +1,4 @@
-//! Holds the inputs at each grid point: a geometry, whether the point is present, and a slowness.
+//! Inputs at each grid point: a geometry, whether the point is present, and a slowness.
 
 use super::geometry::Geometry;
 

@@ -13,8 +13,8 @@ pub fn jumps<R: Real>(slowness: R) -> bool {
     slowness.tag_has(JUMPS, JUMPS)
 }
 
-/// Returns how much a quantity jumps between some points, given its largest and its least value: 0 where it
-/// is smooth, 1 where the grid does not resolve it.
+/// Returns the jump of a quantity between some points, from its largest and its least value: 0 where it is smooth, 1
+/// where the grid does not resolve it.
 pub(super) fn jump<R: Real>(largest: R, least: R) -> R {
     let beyond = (largest - R::of(EVEN_SLOWNESS) * least) * R::of(JUMPS_PER_RATIO);
     min(max(beyond / least, R::zero()), R::one())

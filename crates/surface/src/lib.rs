@@ -1,7 +1,7 @@
-//! Describes surfaces: a grid of points with a geometry, holes and sources.
+//! Surfaces: grids of points with a geometry, holes and sources.
 //!
-//! The solvers need only lengths. Whatever the input, a surface becomes the lengths of the edges between
-//! neighbouring grid points ([`EdgeLengths`]), and a source becomes initial values at grid points ([`Seed`]).
+//! The solvers need only lengths. Every kind of surface becomes the lengths of the edges between neighbouring grid
+//! points ([`EdgeLengths`]), and every source becomes initial values at grid points ([`Seed`]).
 
 mod arc;
 pub mod builtin;
@@ -106,8 +106,8 @@ use inputs::Inputs;
 
 /// An M x N grid of points on a surface: positions, heights or a metric, with an optional slowness and holes.
 ///
-/// Values are kept in double precision. In single precision, coordinates far from the origin (such as the
-/// eastings of a map projection) would lose the digits of a short edge.
+/// Values are stored in double precision. In single precision, coordinates far from the origin (such as the eastings of
+/// a map projection) would lose the digits of a short edge.
 ///
 /// ```
 /// use geosweep::{Surface, Spacing};

@@ -96,7 +96,7 @@ pub struct Report {
 }
 
 impl Report {
-    /// Returns the report on a map that has converged and of which nothing else is known.
+    /// Returns a minimal report on a converged map.
     pub fn new(engine: UsedEngine, wavefront: Wavefront) -> Self {
         Self {
             engine,
@@ -136,7 +136,7 @@ impl<R: Real> DistanceMap<R> {
         Self { chart, distances, report }
     }
 
-    /// Makes a map whose report is complete.
+    /// Makes a map with a complete report.
     #[doc(hidden)]
     pub fn reported(chart: Chart, distances: Vec<R>, report: Report) -> Self {
         Self { chart, distances, report }

@@ -19,7 +19,7 @@ use super::points::Row;
 use super::real::{LONGEST_EDGE, Real, SHORTEST_EDGE};
 use super::{Surface, SurfaceError};
 
-/// Number of rows that are measured together, so that each row's points and bends serve the next row.
+/// Number of rows measured together, so that the next row reuses each row's points and bends.
 const BAND: usize = 32;
 /// Smallest number of rows that are measured together, where there are many threads.
 const LEAST_BAND: usize = 8;
@@ -49,8 +49,7 @@ impl<R: Real> EdgeLengths<R> {
 
     /// Measures the edges of a surface with positions relative to `origin`.
     fn uninterrupted(surface: &Surface, origin: DVec3) -> Result<Self, SurfaceError> {
-        // This is a function, since a closure would have a new type at each level of the recursion through
-        // `strips::measured`.
+        // A closure would have a new type at each level of the recursion through `strips::measured`.
         fn go_on() -> Result<(), SurfaceError> {
             Ok(())
         }

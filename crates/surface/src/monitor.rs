@@ -10,8 +10,7 @@ use crate::Convergence;
 #[error("the computation was cancelled")]
 pub struct Cancelled;
 
-/// A view on a computation that runs in another thread: how far it is, and a way to cancel it. Clones share
-/// the same state.
+/// Handle to a computation in another thread, to follow its progress and to cancel it. Clones share the same state.
 ///
 /// A computation that is cancelled ends with the error [`Cancelled`] after the current band of lines, part of the
 /// edges or submission to a device: on the CPU within milliseconds. Matrices on the CPU whose maps are computed in

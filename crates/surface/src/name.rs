@@ -1,8 +1,8 @@
-//! Names of choices, as the tool and reports use them.
+//! Names of options in the tool and in reports.
 
 use crate::shown::excerpt;
 
-/// The error for a text that is not the name of a choice.
+/// Error for a text that is not the name of an option.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("no {what} is called `{}`; there are {}", excerpt(text), names.join(", "))]
 pub struct UnknownName {
@@ -11,7 +11,7 @@ pub struct UnknownName {
     names: Vec<&'static str>,
 }
 
-/// Returns the choice that `text` names. White space around the name is ignored.
+/// Finds the option with the name `text`, ignoring white space around the name.
 pub fn by_name<T: Copy>(
     what: &'static str,
     text: &str,

@@ -2,8 +2,8 @@
 
 /// The value for "not reached" and "no such edge" inside the solvers and the shaders.
 ///
-/// It is a large finite number, since GLSL does not promise infinities, and the difference of two infinities
-/// is NaN. The public interface uses +infinity instead.
+/// A large finite number serves, since GLSL does not guarantee infinities, and the difference of two infinities is NaN.
+/// The public interface uses +infinity instead.
 pub const FAR: f64 = crate::constants::FAR;
 
 /// Minimum length of an edge between distinct points, in the surface's unit of length.
@@ -12,7 +12,7 @@ pub const SHORTEST_EDGE: f64 = 1e-12;
 /// [`FAR`].
 pub const LONGEST_EDGE: f64 = crate::constants::LONGEST_EDGE;
 
-/// A precision of the solvers: f32 for use, f64 for reference. There are no others.
+/// Precision of the solvers: f32 for use or f64 for reference, and no other.
 pub trait Real:
     sealed::Precision + num_traits::Float + bytemuck::Pod + Default + Send + Sync + std::fmt::Debug
 {

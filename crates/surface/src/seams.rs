@@ -35,8 +35,8 @@ pub enum Seam {
     Pole {
         /// The side.
         side: GridSide,
-        /// Whether its points are exactly equal. Fronts then pass the pole along edges of length 0. Edges
-        /// whose length is mere rounding are rejected.
+        /// Whether the side's points are exactly equal. Fronts then pass the pole along edges of length 0. Edges whose
+        /// length is mere rounding are rejected.
         exact: bool,
     },
     /// A side surrounds a pole that the grid lacks, as on a globe that is sampled at the middles of its cells.
@@ -255,7 +255,7 @@ pub(super) fn spread(points: impl IntoIterator<Item = DVec3>) -> f64 {
     points.map(|point| first.distance(point)).fold(0.0, f64::max)
 }
 
-/// Returns whether a condition holds wherever it is known, and is known at two places or more.
+/// Returns whether a condition is known at two points or more, and holds at all of them.
 fn all_known(found: impl Iterator<Item = Option<bool>>) -> bool {
     let mut count = 0;
     found.flatten().inspect(|_| count += 1).all(|holds| holds) && count >= 2
@@ -351,7 +351,7 @@ mod tests {
         /// part of the seam may be missing. Without the last two columns they are open.
         #[test]
         fn sides_one_cell_apart_are_neighbours(
-            // There are enough points that holes leave some whose partners in both orders are known.
+            // Enough points, so that holes leave some whose partners in both orders are known.
             rows in 9usize..30,
             cols in 9usize..40,
             kind in 0usize..3,

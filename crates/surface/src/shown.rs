@@ -1,4 +1,4 @@
-//! Formats texts and numbers for messages. The result is short, whatever a file or an argument holds.
+//! Formats texts and numbers for messages. The result is short for any file or argument.
 
 use std::borrow::Cow;
 

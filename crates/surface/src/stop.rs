@@ -7,7 +7,7 @@ pub const DEFAULT_TOLERANCE: f64 = 1e-6;
 /// Default tolerance of maps in double precision, near its rounding.
 pub const DEFAULT_TOLERANCE_F64: f64 = 1e-13;
 
-/// Limits at which a solver stops. It stops at whichever limit comes first.
+/// Limits at which a solver stops; the first one reached counts.
 ///
 /// ```
 /// use geosweep::Stop;
@@ -61,7 +61,7 @@ pub struct Convergence {
 }
 
 impl Convergence {
-    /// The value for no map at all.
+    /// Convergence before any map.
     #[doc(hidden)]
     pub const NONE: Self = Self { iterations: 0, residual: 0.0 };
 

@@ -1,4 +1,4 @@
-//! Defines targets: grid points whose distances are wanted. Once these are known, the map may end.
+//! Defines targets: grid points whose distances are needed. Once these are known, the map may end.
 
 /// Grid points that let the computation of a map end once their distances are known.
 ///

@@ -49,7 +49,7 @@ impl<R: Real> EdgeLengths<R> {
         mut part: impl FnMut([usize; 2], [R; 3], [R; 3]),
     ) {
         let chart = self.chart();
-        // The directions are put in order, so that the first one is the same whichever scan asks.
+        // Sorts the directions, so that the first one is the same for all scans.
         let [first, second] = directions;
         let [a, b] = if first.next() == second { directions } else { [second, first] };
         let base = (b.step().0 - a.step().0, b.step().1 - a.step().1);
@@ -221,8 +221,8 @@ impl<R: Real> Unfolded<R> {
     }
 }
 
-/// Returns the place at the given distances from both ends of an edge, to the right of the edge. Returns
-/// `None` if the three lengths do not make a triangle.
+/// Returns the point at the given distances from both ends of an edge, to the right of the edge. Returns `None` if the
+/// three lengths do not make a triangle.
 fn unfolded<R: Real>([u, w]: [[R; 2]; 2], base: R, [to_u, to_w]: [R; 2]) -> Option<[R; 2]> {
     if max(base, max(to_u, to_w)) >= R::FAR {
         return None;

@@ -24,7 +24,7 @@ impl Surface {
         self.part(chart, Block { rows, cols }.places().map(index))
     }
 
-    /// Returns some points as an open surface with the grid `chart`. Points without an index are holes.
+    /// Returns an open surface on the grid `chart` with the given points. Points without an index are holes.
     pub(super) fn part(
         &self,
         chart: Chart,
@@ -42,7 +42,7 @@ mod tests {
     use crate::builtin::Builtin;
     use crate::{Direction, EdgeLengths, MetricTensor, Spacing};
 
-    /// Margin that covers everything on which a point's update depends.
+    /// Margin that covers all points on which a point's update depends.
     const MARGIN: usize = 5;
 
     /// Edges and curvatures agree up to rounding, since positions are taken relative to the middle of each surface.

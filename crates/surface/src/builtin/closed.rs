@@ -8,7 +8,7 @@ use super::unit_square::unit_square;
 use super::{developable, sphere, torus};
 use crate::{Gluing, Surface, SurfaceError};
 
-/// A built-in surface that closes, glued where its sides coincide. Rows and columns include both sides of each seam.
+/// A built-in closed surface, glued where its sides coincide. Rows and columns include both sides of each seam.
 ///
 /// ```
 /// use geosweep::surface::builtin::Closed;
@@ -105,9 +105,9 @@ impl Closed {
         Surface::from_positions(rows, cols, positions)?.with_gluing(self.gluing())
     }
 
-    /// Returns geodesic distances from a place, given as fractional row and column, to all points of the surface
-    /// sampled at `rows` x `cols` points, row-major. Those on the torus have a relative error below 1e-9, others
-    /// are exact. They are infinite in the lines between faces of the cube, and NaN on the Moebius strip.
+    /// Returns geodesic distances from a position, given as fractional row and column, to all points of the surface
+    /// sampled at `rows` x `cols` points, row-major. On the torus they have a relative error below 1e-9; all others are
+    /// exact. They are infinite in the lines between faces of the cube, and NaN on the Moebius strip.
     pub fn distances(self, rows: usize, cols: usize, from: [f64; 2]) -> Vec<f64> {
         let on_sphere = |to| {
             let [from, to] = [from, to].map(|at| self.position(rows, cols, at));
@@ -116,7 +116,7 @@ impl Closed {
         };
         let unrolled = |distance: fn(DVec2, DVec2) -> f64, to| {
             let [mut from, to] = [from, to].map(|at| unit_square(rows, cols, at));
-            // The shorter way round.
+            // Takes the shorter path around.
             from.x -= (from.x - to.x).round();
             let [from, to] = [from, to].map(|uv| DVec2::new(uv.x / OPEN_SHARE, uv.y));
             distance(from, to)
@@ -135,12 +135,11 @@ impl Closed {
         }
     }
 
-    /// Returns the position in space of a place on the grid, given as fractional row and column. It is NaN between
-    /// faces of the cube.
+    /// Returns the position in space of a fractional row and column. It is NaN between faces of the cube.
     fn position(self, rows: usize, cols: usize, at: [f64; 2]) -> DVec3 {
         let uv = unit_square(rows, cols, at);
         let open = [uv.x / OPEN_SHARE, uv.y];
-        // The octahedral maps have the origin in their middle.
+        // Octahedral maps have their origin in the middle.
         let square = 2.0 * uv - 1.0;
         match self {
             Self::Cylinder => DVec3::from_array(developable::cylinder(open)),

@@ -45,9 +45,9 @@ pub(super) fn cone_distance(a: DVec2, b: DVec2) -> f64 {
     annulus_distance(INNER, INNER + a.y, INNER + b.y, angle)
 }
 
-/// Returns the distance outside a circle of radius `inner` around the origin, between points at the radii
-/// `r1` and `r2` that are `angle` apart. Seen from the origin, the path turns by `angle` around the circle, so the
-/// result is also right above 180 degrees.
+/// Returns the distance, outside a circle of radius `inner` around the origin, between points at radii `r1` and `r2`
+/// and an `angle` apart. Seen from the origin, the path turns by `angle` around the circle, so the result is also right
+/// above 180 degrees.
 fn annulus_distance(inner: f64, r1: f64, r2: f64, angle: f64) -> f64 {
     // The angle, seen from the origin, between a point at radius r and the point where a tangent from it touches the
     // circle.

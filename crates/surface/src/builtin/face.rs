@@ -1,4 +1,4 @@
-//! Defines a built-in face, as a range scanner sees it, made of smooth bumps.
+//! A built-in face as a range scanner sees it, made of smooth bumps.
 
 use super::jet::Smooth;
 
@@ -67,8 +67,8 @@ pub(super) fn position<T: Smooth>([u, v]: [T; 2]) -> [T; 3] {
     [x, y, z]
 }
 
-/// Returns for each point, row-major, whether it lies within the face's oval, which is narrower at the chin.
-/// On grids of fewer than [`SMALLEST_OVAL`] rows or columns all points do.
+/// Returns for each point, row-major, whether it lies within the face's oval, which is narrower at the chin. The result
+/// is true everywhere on grids of fewer than [`SMALLEST_OVAL`] rows or columns.
 pub(super) fn oval(rows: usize, cols: usize) -> Vec<bool> {
     let whole = rows.min(cols) < SMALLEST_OVAL;
     let along = |at: usize, points: usize| 2.0 * at as f64 / (points - 1) as f64 - 1.0;

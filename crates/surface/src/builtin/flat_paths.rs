@@ -21,7 +21,7 @@ pub struct FloorPlan {
     spacing: DVec2,
 }
 
-/// Places closer than this, in cells, count as one place.
+/// Distance in cells below which two positions count as one.
 const NEAR: f64 = 1e-9;
 
 impl FloorPlan {
@@ -132,7 +132,7 @@ fn crossings(from: f64, to: f64) -> impl Iterator<Item = f64> {
 /// Distances over a floor from one place.
 pub struct FlatPaths {
     plan: FloorPlan,
-    /// The source and the corners that it reaches, with their distances.
+    /// The source and all reachable corners, with their distances.
     anchors: Vec<(DVec2, f64)>,
 }
 
@@ -189,7 +189,7 @@ impl FlatPaths {
 mod tests {
     use super::*;
 
-    /// Computes the paths over a picture's floor, which is where the picture has a dot.
+    /// Computes the paths over a picture's floor, marked by dots.
     fn paths(picture: &[&str], from: [f64; 2]) -> FlatPaths {
         let floor = picture.iter().flat_map(|row| row.chars().map(|c| c == '.')).collect();
         FlatPaths::new(FloorPlan::new(picture.len(), picture[0].len(), floor, DVec2::ONE), from)

@@ -1,8 +1,7 @@
 //! Provides built-in surfaces, most of them with exact distances to test a solver against.
 //!
-//! Each one maps the unit square to space. Rows run along v and columns along u, both from 0 to 1. The
-//! patches are chosen so that the exact distance holds inside the patch, not only on the whole surface from
-//! which it is cut.
+//! Every surface maps the unit square to space. Rows run along v and columns along u, both from 0 to 1. Each patch is
+//! chosen so that exact distances hold inside it, not only on the whole surface from which it is cut.
 
 mod closed;
 mod developable;
@@ -81,7 +80,7 @@ pub enum Builtin {
 }
 
 impl Builtin {
-    /// One of each surface, with the default shear.
+    /// All built-in surfaces, with the default shear.
     pub const ALL: [Self; 9] = [
         Self::Plane,
         Self::ShearedPlane { degrees: Self::DEFAULT_SHEAR },
@@ -301,7 +300,7 @@ mod tests {
 
     #[test]
     fn short_steps_are_as_long_as_their_chords() {
-        // This compares each closed form with its parametrisation, all over the patch.
+        // Compares each closed form with its parametrisation, all over the patch.
         let points = 40;
         for builtin in Builtin::ALL {
             let surface = builtin.surface(points, points).unwrap();

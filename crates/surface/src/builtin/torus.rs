@@ -22,7 +22,7 @@ pub(super) fn whole<T: Smooth>([u, v]: [T; 2]) -> [T; 3] {
 
 /// Lines of a torus, unrolled on both sides of a place.
 struct Unrolled {
-    /// Number of lines once round.
+    /// Number of lines in one turn.
     round: usize,
     /// The first line, which may be negative.
     first: f64,
@@ -30,7 +30,7 @@ struct Unrolled {
 }
 
 impl Unrolled {
-    /// Unrolls `turns` turns each way.
+    /// Unrolls `turns` turns in each direction.
     fn new(lines: usize, at: f64, turns: f64) -> Self {
         let round = lines - 1;
         let reach = turns * round as f64;
@@ -67,7 +67,7 @@ pub(super) fn whole_distances(rows: usize, cols: usize, from: [f64; 2]) -> Vec<f
         let shortest = &mut distances[row * cols + col];
         *shortest = shortest.min(distance);
     }
-    // The last lines are the first ones again.
+    // The last lines repeat the first ones.
     (0..rows).for_each(|row| distances[row * cols + cols - 1] = distances[row * cols]);
     distances.copy_within(..cols, (rows - 1) * cols);
     distances

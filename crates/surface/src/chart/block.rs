@@ -6,7 +6,7 @@ use glam::DVec2;
 
 use super::{Chart, Direction};
 
-/// The points of some rows and columns of a chart.
+/// A rectangular block of points: a range of rows and of columns of a chart.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[doc(hidden)]
 pub struct Block {
@@ -29,7 +29,7 @@ impl Block {
         (self.rows.start, self.cols.start)
     }
 
-    /// Returns the first row and column of the block as a place.
+    /// Returns the first row and column of the block as a vector.
     #[doc(hidden)]
     #[inline]
     pub fn origin(&self) -> DVec2 {

@@ -61,9 +61,8 @@ impl Chart {
         Cell::of((low(at.x, self.rows), low(at.y, self.cols)))
     }
 
-    /// Returns the cells that contain a place of the chart: one for a place inside a cell, two for a place on
-    /// an edge. A grid point is returned as a cell of its own, since its neighbours' first update is already
-    /// exact.
+    /// Returns the cells that contain a position on the chart: one for a position inside a cell, two for one on an
+    /// edge. A grid point is returned as a cell of its own, since its neighbours' first update is already exact.
     pub(crate) fn cells_around(self, at: DVec2) -> Vec<Cell> {
         let at_point = at.x.fract() == 0.0 && at.y.fract() == 0.0;
         let spans = |x: f64, points: usize| -> Vec<[usize; 2]> {
@@ -127,7 +126,7 @@ impl Cell {
     }
 }
 
-/// Returns where a segment crosses the grid's rows and columns, as parameters from 0 to 1, ends included.
+/// Returns the parameters, from 0 to 1, at which a segment crosses the grid's rows and columns, ends included.
 pub fn grid_crossings(from: DVec2, to: DVec2) -> Vec<f64> {
     let mut cuts = vec![0.0, 1.0];
     for axis in 0..2 {
@@ -143,8 +142,7 @@ pub fn grid_crossings(from: DVec2, to: DVec2) -> Vec<f64> {
     cuts
 }
 
-/// Returns the bilinear weights of a cell's corners at a place `v` rows and `u` columns from the first
-/// corner.
+/// Returns the bilinear weights of a cell's corners at a position `v` rows and `u` columns from the first corner.
 pub fn bilinear(v: f64, u: f64) -> [f64; 4] {
     [(1.0 - v) * (1.0 - u), (1.0 - v) * u, v * (1.0 - u), v * u]
 }

@@ -1,9 +1,9 @@
-//! Defines the chart: the shape of a grid of M rows and N columns, and where its points lie in arrays.
+//! Defines the chart: the shape of a grid of M rows and N columns, and the layout of its points in arrays.
 //!
 //! North is towards smaller rows and east towards larger columns, as in a picture. This folder contains everything that
 //! depends on the grid's shape: which neighbours a point has ([`Chart::neighbour`]), where a line ends
 //! ([`Chart::walk`]), the lines, tiles, cells, edges and triangles, and the layout of arrays with a border. Other code
-//! asks for a neighbour here and does not compare indices with the number of rows or columns itself. Gluing
+//! queries neighbours here and does not compare indices with the number of rows or columns itself. Gluing
 //! (`surface/gluing/`) leaves the chart as it is: copies of a point on a seam are different grid points.
 
 mod block;
@@ -111,8 +111,8 @@ impl Chart {
         self.along((row, col), to, 1)
     }
 
-    /// Returns the grid point `steps` steps away from another one, in the direction `to`. Negative steps lead the other
-    /// way. Returns `None` off the grid.
+    /// Returns the grid point `steps` steps away from another one in the direction `to`, or for negative steps in the
+    /// opposite direction. Returns `None` off the grid.
     #[doc(hidden)]
     #[inline]
     pub fn along(

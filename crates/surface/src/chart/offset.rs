@@ -1,16 +1,16 @@
-//! Leads from a point of a bordered array to its neighbours, and to points farther away.
+//! Offsets in a bordered array from a point to its neighbours, and to points farther away.
 
 use super::{Chart, Direction};
 
-/// The way in a bordered array from any point to the point some rows and columns away.
+/// Offset in a bordered array from any point to the point some rows and columns away.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Offset(isize);
 
 impl Offset {
-    /// The way from a point to itself.
+    /// Offset from a point to itself.
     pub(crate) const NONE: Self = Self(0);
 
-    /// Returns the index of the point that lies this way from `point`.
+    /// Returns the index of the point at this offset from `point`.
     #[inline(always)]
     #[doc(hidden)]
     pub const fn from(self, point: usize) -> usize {
@@ -23,7 +23,7 @@ impl Offset {
         self.0.unsigned_abs()
     }
 
-    /// Returns the way that consists of this one and then `other`.
+    /// Returns the sum of this offset and `other`.
     #[inline(always)]
     pub(crate) const fn and(self, other: Self) -> Self {
         Self(self.0 + other.0)
@@ -31,15 +31,14 @@ impl Offset {
 }
 
 impl Chart {
-    /// Returns the way to a neighbour.
+    /// Returns the offset to a neighbour.
     #[inline(always)]
     #[doc(hidden)]
     pub const fn offset(self, to: Direction) -> Offset {
         self.offset_by(to.step())
     }
 
-    /// Returns the way by some rows and columns, to the south and east. It leads to a point of the array if
-    /// the rows and columns do.
+    /// Returns the offset by some rows to the south and columns to the east. The target must be a point of the array.
     #[inline(always)]
     pub(crate) const fn offset_by(self, (down, right): (isize, isize)) -> Offset {
         Offset(down * self.stride() as isize + right)

@@ -33,7 +33,7 @@ impl Tiling {
         Chart { rows: rows.div_ceil(self.side), cols: cols.div_ceil(self.side) }
     }
 
-    /// Returns the tile of a point, and the point's place in the tile, both by row and column.
+    /// Returns the tile of a point, and the point's position in the tile, both by row and column.
     #[doc(hidden)]
     #[inline]
     pub const fn tile_of(self, (row, col): (usize, usize)) -> ((usize, usize), (usize, usize)) {

@@ -1,4 +1,4 @@
-//! Computes the points that a grid lacks from the points that it has.
+//! Computes missing points of a grid from its given points.
 
 use glam::DVec3;
 
@@ -35,7 +35,7 @@ impl Added {
         known.clone().sum::<f64>() / known.count() as f64
     }
 
-    /// Returns the position of the point, or `None` if it is a hole.
+    /// Returns the position of the point, or `None` at a hole.
     ///
     /// Along a line through the middle of the rings, the position is a constant plus a term with the square of the
     /// distance from the middle, plus odd terms, which cancel between opposite points. So the means of both rings give

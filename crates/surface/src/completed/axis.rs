@@ -49,7 +49,7 @@ impl Axis {
         self.margins != [0.0; 2]
     }
 
-    /// Returns the number on the given grid of a line of the completed grid, or `None` if that line is not a given one.
+    /// Converts a line of the completed grid to its index on the given grid, or `None` for an added line.
     pub(super) fn given_of(self, line: usize) -> Option<usize> {
         let (block, local) = (line / (self.length() + 1), line % (self.length() + 1));
         let local = local.checked_sub(self.before()).filter(|&local| local < self.lines)?;
@@ -90,7 +90,7 @@ impl Axis {
         (block * (self.length() + 1)) as f64 + local.clamp(0.0, (self.length() - 1) as f64)
     }
 
-    /// Returns the place on the given grid of a line of the completed one: the inverse of [`Self::to_completed`].
+    /// Returns the position on the given grid of a line of the completed one: the inverse of [`Self::to_completed`].
     pub(super) fn to_given(self, at: f64) -> f64 {
         let block = block_of(at + 0.5, self.length() + 1, self.blocks);
         let local = at - (block * (self.length() + 1) + self.before()) as f64;
@@ -118,7 +118,7 @@ impl Axis {
     }
 }
 
-/// Returns which of `blocks` blocks of `lines` lines holds a place.
+/// Returns the index of the block that contains a position, of `blocks` blocks of `lines` lines.
 fn block_of(at: f64, lines: usize, blocks: usize) -> usize {
     // A negative number is converted to 0.
     ((at / lines as f64) as usize).min(blocks - 1)

@@ -7,7 +7,7 @@ use super::axis::Axis;
 use super::grid::CompletedGrid;
 use super::layout::mean;
 
-/// The ways in which six faces lie in a grid, by rows and columns of faces.
+/// Arrangements of six faces in a grid, as rows and columns of faces.
 const ARRANGEMENTS: [[usize; 2]; 6] = [[2, 3], [3, 2], [1, 6], [6, 1], [3, 4], [4, 3]];
 const FACES: usize = 6;
 /// Smallest number of texels along a face.

@@ -1,5 +1,4 @@
-//! Holds a given grid and the completed grid, which has more lines, and converts surfaces, values and places between
-//! them.
+//! Converts surfaces, values and positions between a given grid and the completed grid, which has more lines.
 
 use std::sync::OnceLock;
 
@@ -111,7 +110,7 @@ impl CompletedGrid {
         Surface { chart, inputs, edge_rule, floor, glued: None }.with_gluing(self.gluing.clone())
     }
 
-    /// Gives added points that are no copies their positions and slowness.
+    /// Sets the positions and slowness of added points, except copies.
     fn place_middles(&self, surface: &Surface, inputs: &mut Inputs) {
         let Geometry::Positions(positions) = &inputs.geometry else { return };
         let mut positions = positions.to_vec();
@@ -183,9 +182,8 @@ impl CompletedGrid {
         rows.iter().flat_map(|&row| cols.iter().map(move |&col| chart.index(row, col))).collect()
     }
 
-    /// Returns how far the surface goes on before the first given row and after the last one, and then the same for
-    /// columns. The distances are in steps between given lines: with values at the middles of cells, a pole lies
-    /// at row -0.5.
+    /// Returns the extent of the surface before the first given row and after the last one, and then for columns.
+    /// Extents are in steps between given lines: with values at the middles of cells, a pole lies at row -0.5.
     pub fn margins(&self) -> [[f64; 2]; 2] {
         [self.rows.margins, self.cols.margins]
     }

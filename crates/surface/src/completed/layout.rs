@@ -1,4 +1,4 @@
-//! Finds which lines of a closed surface its grid lacks.
+//! Finds the lines of a closed surface that its grid lacks.
 
 use glam::DVec3;
 
@@ -6,14 +6,14 @@ use super::super::gluing::compile::pairs_of;
 use super::super::seams::Rim;
 use super::super::{Geometry, GluingError, GridSide, MetricTensor, Seam, Surface};
 
-/// The way in which a closed surface continues across the sides of its grid.
+/// Continuation of a closed surface across the sides of its grid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Layout {
     /// The last column continues in the first one: a tube.
     Columns,
     /// The last row continues in the first one.
     Rows,
-    /// Both: a torus.
+    /// Columns and rows both continue: a torus.
     Both,
     /// The last column continues in the first one in reverse order: a Moebius strip.
     FlippedColumns,
@@ -98,7 +98,7 @@ fn equal(
     pairs(surface, sides, reversed).iter().all(|&[a, b]| numbers(a) == numbers(b))
 }
 
-/// Returns an error that says how far two sides are apart.
+/// Returns an error with the distance between two sides.
 fn not_neighbours(surface: &Surface, sides: [GridSide; 2], reversed: bool) -> GluingError {
     let chart = surface.chart();
     let position = |index: usize| {

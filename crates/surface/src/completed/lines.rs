@@ -12,7 +12,7 @@ const LEAST_LINES: usize = 4;
 /// Lines that a grid has or lacks.
 #[derive(Default)]
 struct Lines {
-    /// The order in which the grid continues from the last column to the first one and from the last row to the first one.
+    /// Order of the continuation from the last column to the first one and from the last row to the first one.
     lattice: Lattice,
     /// Whether a column or a row that continues the grid is lacking.
     has_column_added: bool,

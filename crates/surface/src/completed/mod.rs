@@ -1,9 +1,9 @@
 //! Completes grids of closed surfaces that do not repeat the samples of a seam.
 //!
-//! Gluing needs both sides of a seam to hold its samples. [`CompletedGrid`] adds the lines that a grid lacks, glues the
-//! surface, and takes these lines away from maps. [`grid`] does that with lines that are known: [`axis`] converts rows and
-//! columns, and [`added`] makes points. [`layout`] and [`lines`] find which lines are lacking, and [`cube`] does so for the
-//! faces of a cube.
+//! Gluing needs the samples of a seam on both of its sides. [`CompletedGrid`] adds the lines that a grid lacks, glues
+//! the surface, and removes these lines from maps. [`grid`] does that for known lines: [`axis`] converts rows and
+//! columns, and [`added`] computes points. [`layout`] and [`lines`] find the missing lines, and [`cube`] finds those of
+//! the faces of a cube.
 
 mod added;
 mod axis;

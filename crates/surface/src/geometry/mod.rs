@@ -1,9 +1,8 @@
-//! Holds the geometry at each grid point: positions, heights or a metric tensor.
+//! Geometry at each grid point: positions, heights or a metric tensor.
 //!
-//! Everything that differs between these kinds is in this folder, so that the rest of the surface and its
-//! files can ask [`Geometry`] without knowing the kind. This file validates values, computes positions in
-//! space, and cuts and coarsens grids. [`sample`] computes lengths between any two places. [`space`] computes
-//! lengths between neighbours in lanes.
+//! All code that differs between these kinds is in this folder, so that other code can query [`Geometry`] without
+//! knowing the kind. This file validates values, computes positions in space, and cuts and coarsens grids. [`sample`]
+//! computes lengths between any two places. [`space`] computes lengths between neighbours in lanes.
 
 mod metric;
 mod metric_scale;
@@ -50,7 +49,7 @@ pub enum Geometry {
     Positions(Values<DVec3>),
     /// Heights over a rectangular grid.
     Heights {
-        /// One height per point.
+        /// Height of each point.
         heights: Values<f64>,
         /// Distance between points.
         spacing: Spacing,

@@ -1,8 +1,8 @@
-//! Computes the geometry at single places, and the lengths between them.
+//! Geometry at single points of the surface, and the lengths between them.
 
 use glam::{DMat2, DVec2, DVec3};
 
-/// The geometry at one place, on the grid or between its points.
+/// Geometry at one point of the surface, on the grid or between its points.
 #[derive(Clone, Copy, Debug)]
 #[doc(hidden)]
 pub enum Sample {
@@ -44,8 +44,8 @@ impl Sample {
         }
     }
 
-    /// Returns the parameter at which the straight line through `a` (0) and `b` (1) is nearest to this place.
-    /// It may lie beyond the ends.
+    /// Returns the parameter at which the straight line through `a` (0) and `b` (1) is nearest to this place. The
+    /// parameter may lie outside of 0 to 1.
     pub(crate) fn foot_on(self, a: Self, b: Self) -> f64 {
         let (along, across) = match (self, a, b) {
             (Self::Position(x), Self::Position(a), Self::Position(b)) => {

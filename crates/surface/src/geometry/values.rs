@@ -1,10 +1,10 @@
-//! Holds one value per grid point, in memory of its own or in memory that belongs to the program.
+//! Arrays of one value per grid point, in memory of their own or in memory of the calling program.
 
 use std::fmt;
 use std::ops::Deref;
 use std::sync::Arc;
 
-/// One value per grid point, row-major. Clones share the memory.
+/// Array of one value per grid point, row-major. Clones share the memory.
 #[derive(Clone)]
 pub struct Values<T> {
     /// The values' memory.

@@ -1,11 +1,11 @@
-//! Describes where a grid goes on beyond its sides, in the terms of `glsl/shared/lattice.glsl`.
+//! Continuation of a grid beyond its sides, in the terms of `glsl/shared/lattice.glsl`.
 
 use super::Lattice;
 use crate::Chart;
 use crate::constants::{GOES_ON, GRID_ENDS, REVERSES, SEAM_HALO};
 
 impl Lattice {
-    /// Returns the codes by which shaders know whether and how the grid goes on beyond its columns and beyond its rows.
+    /// Returns the shaders' codes for the continuation of the grid beyond its columns and beyond its rows.
     #[doc(hidden)]
     pub fn codes(self) -> [i32; 2] {
         [self.cols, self.rows].map(|reversed| match reversed {

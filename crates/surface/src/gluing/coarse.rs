@@ -69,7 +69,7 @@ impl Surface {
 }
 
 impl Glued {
-    /// Returns whether a neighbour of a point along a row or column stays and lies on a seam.
+    /// Returns whether a point has a neighbour, along its row or column, that stays and lies on a seam.
     fn is_between(&self, chart: Chart, index: usize, stays: impl Fn(usize) -> bool) -> bool {
         let (row, col) = chart.position(index);
         let ways = [Direction::North, Direction::South, Direction::East, Direction::West];

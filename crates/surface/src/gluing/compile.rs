@@ -1,4 +1,4 @@
-//! Finds which grid points a gluing joins, and checks that they coincide.
+//! Finds the grid points that a gluing joins, and checks that they coincide.
 
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -49,7 +49,7 @@ pub(in super::super) fn pairs_of(
             let points = indices(side);
             Ok(points[1..].iter().map(|&point| [points[0], point]).collect())
         }
-        // The pole is no point of the grid.
+        // The pole is not a grid point.
         Seam::Ring(_) => Ok(Vec::new()),
     }
 }
@@ -191,8 +191,8 @@ impl Surface {
         Ok(compiled)
     }
 
-    /// Checks that the points of each pair coincide in comparison with the size of the seam. Where a strip is much
-    /// narrower than its cells are long, each point of its end is near each other one in comparison with the cells.
+    /// Checks that the points of each pair coincide relative to the size of the seam. At the end of a strip that is
+    /// much narrower than its cells are long, all points are close together relative to the cells.
     fn check_size(&self, seam: &Seam) -> Result<(), GluingError> {
         let Geometry::Positions(positions) = self.geometry() else { return Ok(()) };
         let mut pairs = pairs_of(self.chart, seam)?;

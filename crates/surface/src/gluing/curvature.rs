@@ -8,7 +8,7 @@ use super::super::{Chart, DIFFRACTS, EdgeLengths, LACKING, Real};
 use super::Groups;
 use crate::constants::COPIES_TOGETHER;
 
-/// Gives all copies of a point the same name, by which points of a ring are told apart.
+/// Names of points, equal for all copies of a point, that distinguish the points of a ring.
 struct Names {
     /// For each copy in the bordered array, the first of its group; 0 for other points. Index 0 is a point of the
     /// border.

@@ -17,8 +17,8 @@ pub enum GluingError {
         places: [(usize, usize); 2],
         /// Distance between the points, or the difference of their heights, tensors or slowness.
         apart: f64,
-        /// The size with which the difference is compared: the length of an edge or of the seam, or the size of a tensor
-        /// or slowness. The difference may be up to 5 % of this size.
+        /// Reference size of the difference: the length of an edge or of the seam, or the size of a tensor or slowness.
+        /// The difference may be up to 5 % of this size.
         edge: f64,
     },
     /// Two sides have different numbers of points.
@@ -27,13 +27,13 @@ pub enum GluingError {
     Lengths {
         /// The two sides.
         sides: [GridSide; 2],
-        /// Their numbers of points.
+        /// Number of points of each one.
         points: [usize; 2],
     },
     /// Two runs have different numbers of points.
     #[error("a run of {} points is glued to one of {}; runs need equal numbers", .points[0], .points[1])]
     Runs {
-        /// Their numbers of points.
+        /// Number of points of each one.
         points: [usize; 2],
     },
     /// A run leaves the grid.
@@ -153,9 +153,9 @@ pub enum GluingError {
     /// Something is not available on glued surfaces.
     #[error("{what} does not pass seams yet; {instead}")]
     Unsupported {
-        /// Name of what is not available: a function, a kind of seam or a kind of grid.
+        /// Name of the unavailable function, kind of seam or kind of grid.
         what: &'static str,
-        /// Advice on another way.
+        /// Advice on an alternative.
         instead: &'static str,
     },
 }

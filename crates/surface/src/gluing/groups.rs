@@ -1,10 +1,10 @@
-//! Groups of grid points that are one point of the surface.
+//! Groups of grid points that are copies of one surface point.
 
 use std::collections::HashMap;
 
-/// Groups of indices that stand for one point of a glued surface, in compressed rows: the members of group g
-/// are `members[starts[g]..starts[g + 1]]`, in ascending order. Groups have two members or more and share
-/// none.
+/// Groups of indices of one glued surface point, in compressed rows: the members of group g are
+/// `members[starts[g]..starts[g + 1]]`, in ascending order. Each group has two members or more. No index is in two
+/// groups.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Groups {
     starts: Vec<u32>,

@@ -1,4 +1,4 @@
-//! Defines what a caller may glue.
+//! Kinds of gluing that a caller may request.
 
 #[cfg(doc)]
 use crate::Surface;
@@ -31,8 +31,8 @@ pub enum Gluing {
     /// An octahedral map, with cells of equal areas or not: each side of the square is folded in its middle. The middle
     /// of the grid is one pole and its four corners are the other.
     Octahedral,
-    /// Charts that holes keep apart in one grid, such as the six faces of a cube. All coinciding points beside a hole
-    /// or the border are glued.
+    /// Charts that holes separate in one grid, such as the six faces of a cube. All coinciding points beside a hole or
+    /// the border are glued.
     Charts,
     /// Runs of points that coincide pair by pair.
     Runs(Vec<[Run; 2]>),

@@ -1,4 +1,4 @@
-//! Describes where the grid continues beyond its sides.
+//! Continuation of the grid beyond its sides.
 
 use super::super::{Chart, GridSide, Seam};
 
@@ -50,7 +50,7 @@ impl Lattice {
         let (mut row, mut col) = (row, col);
         let [turn_of_rows, turn_of_cols] = [(last_row, 0), (last_col, 1)]
             .map(|(last, axis)| last - 2 * self.overlap[axis] as isize);
-        // Each turn of the loop brings the row or the column nearer to the grid.
+        // Every iteration of the loop moves the row or the column closer to the grid.
         loop {
             if let Some(at) = chart.at(row, col) {
                 return Some(at);
@@ -85,7 +85,7 @@ mod tests {
         assert_eq!(at(Some(false), Some(false), -1, 8), Some((3, 2)));
         assert_eq!(at(Some(false), Some(true), 6, 1), Some((2, 5)));
         assert_eq!(at(Some(true), Some(false), 6, 7), Some((2, 1)));
-        // One row and two columns are repeated at each side: there are two steps from row 1 to its copy in row 3.
+        // A row and two columns are repeated at each side: there are two steps from row 1 to its copy in row 3.
         let overlapping = |reversed, row, col| {
             let rows = Some(false);
             let lattice = Lattice { cols: Some(reversed), rows, overlap: [1, 2], is_folded: false };

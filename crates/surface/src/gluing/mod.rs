@@ -52,11 +52,11 @@ pub struct Glued {
     lattice: Lattice,
 }
 
-/// The advice of errors of functions that do not support seams.
+/// Advice in the errors of functions that do not support seams.
 pub const UNGLUED: &str = "leave the gluing out, and the surface is cut open there";
 
 impl Glued {
-    /// Compiles the gluing of a grid whose positions are not known.
+    /// Compiles the gluing of a grid without known positions.
     ///
     /// # Errors
     /// If the grid does not have the points, or the gluing depends on positions.
@@ -126,8 +126,7 @@ impl Surface {
         self.non_empty()
     }
 
-    /// Returns the groups of grid points that are one point of the surface, by their row-major indices, if the
-    /// surface is glued.
+    /// Returns, for a glued surface, the groups of copies of one surface point, by their row-major indices.
     pub fn copies(&self) -> Option<&Groups> {
         self.glued.as_ref().map(|glued| &glued.groups)
     }
@@ -137,7 +136,7 @@ impl Surface {
         self.glued.is_some()
     }
 
-    /// Returns an error on glued surfaces, for which `what` is not available.
+    /// Returns an error if the surface is glued, since `what` then is not available.
     pub(crate) fn check_open(
         &self,
         what: &'static str,

@@ -100,7 +100,7 @@ impl Surface {
         images.find(|(at, _)| at.distance(copy) <= SAME).map(|(_, turn)| turn)
     }
 
-    /// Returns an error if directions cannot be carried from each point to its copies. Where the grid does not go on
+    /// Returns an error if directions cannot be converted from each point to its copies. Where the grid does not go on
     /// over the seam, this needs positions.
     #[doc(hidden)]
     pub fn check_directions(&self, what: &'static str) -> Result<(), GluingError> {

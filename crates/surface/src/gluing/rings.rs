@@ -124,7 +124,7 @@ mod tests {
     use super::super::Gluing;
     use super::*;
 
-    /// Returns the members of each ring, and whether the ring is closed. `exists` says which cells are there.
+    /// Returns the members of each ring, and whether the ring is closed. `exists` tells whether a cell exists.
     fn closed(
         chart: Chart,
         gluing: &Gluing,

@@ -46,7 +46,7 @@ pub(super) struct Found {
     pub(super) lines: [Lines; 2],
 }
 
-/// A list of points, line by line: for each point its place in the line.
+/// Points of some lines, line by line, as positions in the line.
 #[derive(Clone, Debug)]
 pub struct Lines {
     /// Start of each line in `places`.
@@ -67,7 +67,7 @@ impl Lines {
         Self { starts, places }
     }
 
-    /// Returns the same points listed by the lines across, of which there are `lines`.
+    /// Returns these points listed by the `lines` lines of the other orientation.
     pub(super) fn turned(&self, lines: usize) -> Self {
         let mut starts = vec![0; lines + 1];
         for &place in &self.places {

@@ -67,8 +67,8 @@ impl<R: Real> Band<R> {
     }
 }
 
-/// SplitParts are stored for a single map if at most one point in `FEW` has obtuse triangles. If all points have some,
-/// storing adds about half of the map's time.
+/// Reciprocal of the share of points with obtuse triangles up to which a single map stores parts: one point in `FEW`.
+/// If all points have some, storing adds about half of the map's time.
 const FEW: usize = 4;
 
 impl<R: Real> EdgeLengths<R> {
@@ -89,8 +89,8 @@ impl<R: Real> EdgeLengths<R> {
         Some(&sides[side as usize / 2])
     }
 
-    /// Returns the parts of obtuse triangles on one side of their points, which are stored from now on. The
-    /// result is `None` if the surface has no such triangle, or more than can be stored.
+    /// Returns the parts of obtuse triangles on one side of their points, and stores them. The result is `None` if the
+    /// surface has no such triangle, or more than can be stored.
     #[doc(hidden)]
     pub fn parts_on_side(&self, side: Direction) -> Option<&SideParts<R>> {
         kept(&self.shared.parts.0, || self.find_parts());

@@ -58,14 +58,14 @@ pub(super) struct Band<R> {
 /// An obtuse triangle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Triangle {
-    /// Place of the point in its line.
+    /// Position of the point in its line.
     pub(super) place: u32,
     /// Index after the triangle's last part. Its first part follows the parts of the triangle before. A triangle may
     /// have no part.
     pub(super) end: u32,
 }
 
-/// A part as it is stored.
+/// Stored form of a part.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stored<R> {
     pub(super) corners: [u32; 2],

@@ -123,9 +123,9 @@ fn is_closed(joints: &[Joint]) -> bool {
     }
 }
 
-/// Determines the course of a curve through its vertices, as seen from the segment before and from the one after.
-/// Only positions give the size of a bend. On a surface given by its metric, smooth vertices have a bend of zero, as if
-/// the curve were straight there.
+/// Determines the course of a curve through its vertices, as seen from the segment before and from the one after. The
+/// size of a bend follows from positions only. On a surface given by its metric, smooth vertices have a bend of zero,
+/// as if the curve were straight there.
 fn courses(surface: &Surface, joints: &[Joint]) -> Vec<[Vertex; 2]> {
     let closed = joints.len() > 2 && is_closed(joints);
     let last = joints.len().saturating_sub(1);
@@ -167,7 +167,7 @@ fn course(surface: &Surface, [before, here, after]: [Joint; 3]) -> [Vertex; 2] {
     [Vertex::Smooth(bend), Vertex::Smooth(mirror * bend)]
 }
 
-/// Returns the way through space from one place to another, or `None` if the surface has no positions there.
+/// Returns the vector in space from one point to another, or `None` if the surface has no positions there.
 fn step(surface: &Surface, ends: [DVec2; 2]) -> Option<DVec3> {
     match ends.map(|at| surface.place(at)) {
         [Some(Sample::Position(from)), Some(Sample::Position(to))] => Some(to - from),
@@ -185,7 +185,7 @@ fn mirror(surface: &Surface, turn: Option<DVec2>) -> Option<DVec3> {
     }
 }
 
-/// Returns whether a curve runs straight on in the chart from one step to the next.
+/// Returns whether a curve continues straight in the chart from one step to the next.
 fn is_straight(into: DVec2, out: DVec2) -> bool {
     let across = into.perp_dot(out).abs();
     into.dot(out) >= 0.0 && across <= 1e-9 * into.length() * out.length()

@@ -98,7 +98,7 @@ impl Sources {
         self.iter().map(Source::initial).fold(f64::INFINITY, f64::min)
     }
 
-    /// Returns the initial values at grid points, in row-major order. Where several meet at a point, the smallest
+    /// Returns the initial values at grid points, in row-major order. Of several values at a point, the smallest
     /// counts.
     ///
     /// A source at a grid point seeds that point. A source elsewhere seeds the corners of the cells that it

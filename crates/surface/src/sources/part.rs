@@ -1,4 +1,4 @@
-//! Finds the seeds of a source part by part. No part runs over a seam.
+//! Finds the seeds of a source separately for each part, which never crosses a seam.
 
 use std::collections::BTreeSet;
 
@@ -18,7 +18,7 @@ const AROUND: usize = 4;
 /// Segments of a source without a jump over a seam between them.
 pub struct SourcePart {
     segments: Vec<Segment>,
-    /// The place that stands for the source in the seeds of all parts of a point source.
+    /// Position of the source in the seeds of all parts of a point source.
     name: Option<DVec2>,
 }
 

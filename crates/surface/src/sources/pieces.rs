@@ -146,7 +146,7 @@ impl Surface {
         let distance = weight
             * rise.map_or(chord, |rise| (chord * chord + rise.from((row, col))).max(0.0).sqrt());
         let place = cut.0 + foot * (cut.1 - cut.0);
-        // Straight across from an end, the front is that of the line, not the circular one around the end.
+        // Perpendicular to the line at its end, the front is that of the line, not the circular one around the end.
         let is_beside = distance > 0.0 && (beyond - foot).abs() <= AT_END;
         let curvature = self.seed_curvature((row, col), distance, (place, is_beside), ends);
         let is_point = ends[0].0 == ends[1].0;
@@ -165,7 +165,7 @@ impl Surface {
         if let Some(origin) = piece.origin {
             return (!is_cut || origin.ends.into_iter().any(is_same)).then_some(origin);
         }
-        // This is the front around the end of a curve that bends before this end.
+        // The front is that around the end of a curve that bends before this end.
         let is_end =
             |(place, vertex): (DVec2, Vertex)| matches!(vertex, Vertex::Corner) && is_same(place);
         piece

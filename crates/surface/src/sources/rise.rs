@@ -1,4 +1,4 @@
-//! Computes how much longer paths inside a cell are along the surface than straight through space.
+//! Computes the excess length of paths along the surface inside a cell over straight lines through space.
 
 use glam::DVec2;
 

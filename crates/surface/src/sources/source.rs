@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-/// One source. Rows and columns may be fractional, and count from 0.
+/// A source of a map. Rows and columns may be fractional, and count from 0.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Source {
     /// A point, at a grid point or inside a cell.

@@ -1,15 +1,14 @@
 //! Implements fronts that know their anchor. They are exact over floor plans. The twin of
 //! `glsl/update/anchored.glsl` and `glsl/update/anchored_ways.glsl`.
 //!
-//! A shortest path over a flat grid with holes is a chain of straight lines that bends only at corners of
-//! holes. Its last bend, or its source, is the *anchor* of the points that follow (the pseudo-source of exact
-//! polyhedral methods; Mitchell, Mount and Papadimitriou, "The discrete geodesic problem", 1987). The
-//! distance of a point is the distance of its anchor plus the length of the straight line from there. So no
-//! shape of the front is assumed inside a triangle. The candidates of a point are the anchors of two
-//! neighbours, and the anchors of these anchors. Of the candidates from which the point can be reached
-//! through the triangle, it takes the one that gives the shortest path. To find out, it mostly suffices to
-//! compute, in whole numbers, on which side of a line a grid point lies. Where fronts meet, and the corner
-//! that shades one point from another is not known, the straight line is followed over the grid.
+//! A shortest path over a flat grid with holes is a chain of straight lines that bends only at corners of holes. Its
+//! last bend, or its source, is the *anchor* of the points that follow (the pseudo-source of exact polyhedral methods;
+//! Mitchell, Mount and Papadimitriou, "The discrete geodesic problem", 1987). The distance of a point is the distance
+//! of its anchor plus the length of the straight line from there. So no shape of the front is assumed inside a
+//! triangle. The candidates of a point are the anchors of two neighbours, and the anchors of these anchors. Of the
+//! candidates from which the point can be reached through the triangle, the one with the shortest path is chosen. This
+//! test mostly just computes, in whole numbers, the side of a line on which a grid point lies. Where fronts meet, and
+//! the corner that shades one point from another is not known, the straight line is followed over the grid.
 //!
 //! An anchor that no neighbour knows is missed. Among holes of single points, the region in sight of a corner
 //! often stays narrower than a cell over a long way, and distances there can be too long.
@@ -53,7 +52,7 @@ pub struct Way<R> {
 }
 
 impl<R: Real> Way<R> {
-    /// The value for no path.
+    /// The absence of a path.
     pub(crate) const NONE: Self = Self { time: R::FAR, anchor: 0, start: R::FAR };
 
     /// Returns the shorter of two paths. Of two equally long paths on one line, the path from the last corner
@@ -453,8 +452,8 @@ impl<R: Real> Floor<R> {
         f64::from(u8::from(left)) - f64::from(u8::from(right))
     }
 
-    /// Returns the side to which a path turns at the second of three places: positive, negative, or 0 if it
-    /// is straight.
+    /// Returns the side to which a path turns at the second of three points: positive, negative, or 0 if it is
+    /// straight.
     #[inline(always)]
     fn turn(&self, before: usize, at: usize, next: usize) -> f64 {
         cross(self.step(before, at), self.step(at, next))
@@ -552,7 +551,7 @@ impl<R: Real> Floor<R> {
         let beside = |to: usize| 1u8 << to | 1u8 << ((to + 7) % 8);
         let past = |point: usize, to: usize| self.around[to].from(point);
 
-        // Where the line runs along edges, the cell on at least one side of each edge must be present.
+        // If the line runs along edges, the cell on at least one side of each edge must be present.
         if aside == R::zero() || aside == lines {
             let diagonal = if is_left { ahead + 1 } else { (ahead + 7) % 8 };
             let to = if aside == R::zero() { ahead } else { diagonal };

@@ -14,7 +14,7 @@ pub trait Carried: Pod + Default + PartialEq + Send + Sync + std::fmt::Debug {
     fn is_from(self, scan: u8) -> bool;
 }
 
-/// Fronts that carry nothing.
+/// Fronts without further data.
 impl Carried for () {
     const TELLS_SCANS: bool = false;
 
@@ -37,7 +37,7 @@ pub fn tag_of(seed: &Seed) -> u8 {
     if seed.exact { EXACT } else { SEED }
 }
 
-/// The front that a point keeps.
+/// A front stored at a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[doc(hidden)]
 pub struct StoredFront<R, C> {

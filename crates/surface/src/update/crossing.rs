@@ -56,7 +56,7 @@ mod tests {
         Triangle { t1, t2, l1: X0.distance(X1), l2: X0.distance(X2), c: X1.distance(X2) }
     }
 
-    /// Returns where the line from a place to x0 crosses the base.
+    /// Returns the position on the base at which the line from a point to x0 crosses it.
     fn exact(from: DVec2) -> f64 {
         let (along, to) = (X2 - X1, X0 - from);
         (from - X1).perp_dot(to) / along.perp_dot(to)
@@ -89,7 +89,7 @@ mod tests {
         for wavefront in Wavefront::FOR_ANY_SURFACE {
             let of = |t1, t2| base_crossing(wavefront, triangle(t1, t2), [0.1; 2]);
             assert_eq!((of(2.0, f64::FAR), of(f64::FAR, 2.0)), (0.0, 1.0));
-            // One end is earlier by more than the length of the base.
+            // The ends differ by more than the length of the base.
             assert_eq!((of(2.0, 9.0), of(9.0, 2.0)), (0.0, 1.0));
             let flat = Triangle { l1: 3.0, l2: 1.0, c: 1.0, t1: 2.0, t2: 2.1 };
             assert_eq!(base_crossing(wavefront, flat, [0.1; 2]), 1.0);

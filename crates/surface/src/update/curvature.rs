@@ -75,8 +75,7 @@ impl<R: Real> Curvature<R> {
         if self.is_from(EXACT) { Self(self.0.with_tag(SEED | WHOLE as u8)) } else { self }
     }
 
-    /// Returns how much the curvature has changed, times the arrival time; see
-    /// [`crate::constants::CURVATURE_COUNTS`].
+    /// Returns the change of the curvature, times the arrival time; see [`crate::constants::CURVATURE_COUNTS`].
     #[inline(always)]
     #[doc(hidden)]
     pub fn bend_from(self, before: Self, time: R) -> R {

@@ -15,18 +15,17 @@ pub struct Front<R> {
     /// Geodesic curvature of the front, positive where it spreads: 1 / t around a point source in the plane,
     /// [`Seed::AT_SOURCE`] at the source itself.
     pub curvature: R,
-    /// Whether the front came through a triangle with all three edges, which determines where the ray runs.
-    /// It then takes precedence over an equally early front along the same edge.
+    /// Whether the front came through a triangle with all three edges, which determines where the ray runs. Such a
+    /// front takes precedence over an equally early front along the same edge.
     pub whole: bool,
 }
 
 impl<R: Real> Front<R> {
     /// Returns the earlier of two fronts.
     ///
-    /// Of fronts that arrive together, one from a whole triangle is preferred. If that does not decide, the flatter
-    /// front is preferred, since its ray runs straight on along the common edge. This choice does not depend on the
-    /// order in which triangles are visited. The time is the earlier one, since the delay of the other would grow from
-    /// point to point.
+    /// If both arrive together, a front from a whole triangle is preferred, then the flatter front, since its ray
+    /// continues straight along the common edge. This choice does not depend on the order in which triangles are
+    /// visited. The time is the earlier one, since the delay of the other would grow from point to point.
     #[inline(always)]
     #[doc(hidden)]
     pub fn first(a: Self, b: Self) -> Self {
@@ -153,7 +152,7 @@ pub fn curved_at<R: Real, const BORDER: bool>(
     // not arrive after a front along an edge.
     let rise = max(n / (one + root), if shape.is_upright() & !causal { d } else { zero });
     let (by_far, by_near) = (t + l, near_t + near_l);
-    // This time exceeds that of the later end by more than the tolerance within which fronts arrive together.
+    // `later` exceeds the time of the later end by more than the tolerance within which fronts arrive together.
     let later = t + t * (R::of(CLEARLY_LATER) * R::epsilon());
     let time = t + c * rise;
     let is_first = (time <= min(by_far, by_near)) & (!causal | (time >= later));
@@ -192,8 +191,8 @@ pub fn curved_at<R: Real, const BORDER: bool>(
     }
     let edge_k = if starts_anew { at_source } else { edge_k };
 
-    // One division serves the ray's place, its length and the curvature, both across the triangle and along
-    // an edge.
+    // A single division gives the ray's crossing, its length and the curvature, both across the triangle and along an
+    // edge.
     let weighted =
         (width - crossing) * far_kappa * near_spread + crossing * near_kappa * far_spread;
     let (by_edge, per_edge) =
@@ -300,7 +299,7 @@ mod tests {
             approx::assert_abs_diff_eq!(front.time, distance(x0), epsilon = 1e-12);
             approx::assert_abs_diff_eq!(front.curvature, 0.0, epsilon = 1e-12);
         }
-        // This does not hold if the front at x1 is that of the source.
+        // The result differs if the front at x1 is that of the source.
         let triangle = Triangle { t1: 1.0, ..triangle };
         approx::assert_abs_diff_eq!(
             curved(triangle, flat(1.0, Seed::AT_SOURCE)).time,

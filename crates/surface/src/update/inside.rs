@@ -22,7 +22,7 @@ pub struct InsideSource {
 impl InsideSources {
     #[doc(hidden)]
     pub fn new(grid: EvenGrid) -> Self {
-        // There are few of them. With this capacity further maps allocate nothing.
+        // Sources are few: with this capacity, further maps allocate nothing.
         Self { grid, known: Vec::with_capacity(16) }
     }
 

@@ -196,7 +196,7 @@ mod tests {
 
     #[test]
     fn without_a_triangle_the_front_runs_along_the_edges() {
-        // Each edge in turn is longer than the sum of the others, and one base has no length.
+        // In the first three cases one edge is longer than the sum of the others; in the last the base has no length.
         for (l1, l2, c) in [(1.0, 1.0, 3.0), (3.0, 1.0, 1.0), (1.0, 3.0, 1.0), (1.0, 1.0, 0.0)] {
             for (t1, t2) in [(2.0, 2.0), (2.0, 3.5), (4.5, 2.0)] {
                 let triangle = Triangle { t1, t2, l1, l2, c };

@@ -1,12 +1,11 @@
 //! Implements the curved update where fronts of several origins meet.
 //!
-//! Time and curvature do not tell to which source a front belongs. Two fronts that arrive together from
-//! neighbouring sources look like one circle around a place between them, and that circle arrives too early.
-//! Therefore fronts of maps with several sources carry the number of their origin ([`Origin`]) in place of
-//! the curvature, as long as the straight line from there explains their time. A triangle whose ends have the
-//! same origin has one front, whose curvature follows from the distance to that origin. If the ends have
-//! different origins, the front of each end continues separately: its time grows with the distance from its
-//! origin, if the ray to x0 crosses the base.
+//! Time and curvature do not tell to which source a front belongs. Two fronts that arrive together from neighbouring
+//! sources look like one circle around a point between them, and that circle arrives too early. Therefore fronts of
+//! maps with several sources carry the number of their origin ([`Origin`]) in place of the curvature, as long as the
+//! straight line from there explains their time. A triangle whose ends have the same origin has one front, whose
+//! curvature follows from the distance to that origin. If the ends have different origins, the front of each end
+//! continues separately: its time grows with the distance from its origin, if the ray to x0 crosses the base.
 //!
 //! Distances from origins are computed in double precision, also for maps in single precision. They span many
 //! cells, and in long or sheared cells their squares are small differences of large numbers.
@@ -118,10 +117,10 @@ struct Source {
     per_square: f64,
 }
 
-/// The ray to a place from the nearest point of a source.
+/// Ray to a point from the closest point of a source.
 #[derive(Clone, Copy)]
 struct Ray {
-    /// Step from that point to the place.
+    /// Vector along the ray, from the source to its target.
     step: [f64; 2],
     length: f64,
     /// Whether the ray starts between the source's ends, at a right angle to the source.
@@ -296,7 +295,7 @@ pub fn curved_from_origins<R: Real>(
     let time_2 = R::of(second.arrival(second.late));
     let comes_1 = comes(&first, time_1, t2);
     let comes_2 = comes(&second, time_2, t1) & !exact;
-    // Where the fronts continue separately, there is no common front, except along the edges.
+    // Fronts that continue separately have no common front, except along the edges.
     let faceless = apart | comes_1 | comes_2 | exact | obtuse;
     let of_both = curved(
         Triangle { c: if faceless { R::FAR } else { c }, ..triangle },

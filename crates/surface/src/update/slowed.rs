@@ -72,13 +72,13 @@ struct Slope<R> {
     bulge: R,
 }
 
-/// The place where a ray crosses the base.
+/// Point where a ray crosses the base.
 struct Crossing<R> {
     place: R,
     /// Time from the front's arrival at the later end of the base until it arrives at x0 through that place, in units
     /// of the base's cost.
     rise: R,
-    /// Approximate place if the base were continued beyond its ends.
+    /// Approximate position on the base, extended beyond its ends.
     beyond: R,
 }
 

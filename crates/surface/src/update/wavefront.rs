@@ -1,4 +1,4 @@
-//! Defines the kinds of fronts, and decides which of them solves a map. No other module makes this decision.
+//! Defines the kinds of fronts, and selects the one for a map. No other module makes this choice.
 
 use std::fmt;
 use std::str::FromStr;
@@ -88,7 +88,7 @@ impl Wavefront {
         }
     }
 
-    /// Returns the wavefront that is chosen where none is asked for.
+    /// Returns the default wavefront for a setting.
     #[doc(hidden)]
     pub fn chosen(setting: Setting) -> Self {
         Self::resolve(None, setting).unwrap_or(Self::Curved)

@@ -60,7 +60,7 @@ impl Arrivals {
         f64::from_bits(self.shortest[point].load(Relaxed))
     }
 
-    /// Enters a geodesic to a grid point. `stays` tells whether it stays in the domain.
+    /// Records a geodesic to a grid point. `stays` tells whether it stays in the domain.
     pub(super) fn enter(&self, point: usize, length: f64, stays: impl FnOnce() -> bool) {
         let bits = length.max(0.0).to_bits();
         if bits < self.inside[point].load(Relaxed) {
@@ -73,8 +73,7 @@ impl Arrivals {
 
     /// Returns the distances. They are NaN where no geodesic arrives, or the shortest one leaves the domain.
     pub(super) fn distances(self) -> Vec<f64> {
-        /// Relative tolerance of lengths: the lengths of one geodesic that is found in two patches may differ
-        /// by this much.
+        /// Relative tolerance of lengths: lengths of one geodesic found in two patches may differ by this fraction.
         const SAME: f64 = 1e-9;
         let pairs = self.shortest.into_iter().zip(self.inside);
         pairs

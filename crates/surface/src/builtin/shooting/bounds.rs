@@ -11,7 +11,7 @@ use super::domain::{MARGIN, is_followed};
 use super::ray::{Frame, Position, Ray};
 use crate::builtin::jet::Jet;
 
-/// A bound for each cell of the domain, including the margin in which geodesics are followed.
+/// Upper bounds of distances in each cell of the domain, including the margin in which geodesics are followed.
 pub(super) struct Bounds {
     cells: Vec<f64>,
 }

@@ -1,11 +1,10 @@
 //! Computes distances by shooting geodesics, for surfaces that have no closed form.
 //!
-//! This computation is independent of the solvers, and it depends on the grid only through the points whose distances
-//! are wanted. Geodesics leave the source in all directions. They are solutions of their differential equation, whose
-//! coefficients are exact derivatives of the parametrisation. Over an arc of directions and a step of length, (u, v) is
-//! a polynomial in angle and length. Steps and arcs are halved until the polynomial is accurate. For each grid point
-//! Newton's method finds the angle and the length at which geodesics arrive. The distance is the length of the shortest
-//! one.
+//! This computation is independent of the solvers. Of the grid, it uses only the points whose distances are wanted.
+//! Geodesics leave the source in all directions. They are solutions of their differential equation, whose coefficients
+//! are exact derivatives of the parametrisation. Over an arc of directions and a step of length, (u, v) is a polynomial
+//! in angle and length. Steps and arcs are halved until the polynomial is accurate. For each grid point Newton's method
+//! finds the angle and the length at which geodesics arrive. The distance is the length of the shortest one.
 //!
 //! The result is the distance within the patch: geodesics that leave it do not count. Where the patch's border is bent
 //! inwards, the shortest path may run along the border, which is not a geodesic. A geodesic that crosses the border
@@ -57,7 +56,7 @@ impl<P: Position> Fan<P> {
         arrivals.distances()
     }
 
-    /// Notes the points that the rays of an arc reach. Halves the arc if polynomials across it cannot represent its
+    /// Records the points that the rays of an arc reach. Halves the arc if polynomials across it cannot represent its
     /// rays.
     fn fill(&self, arc: [f64; 2], halvings: u32, arrivals: &Arrivals) {
         if let Some(panel) = Panel::shoot(self, arc) {
@@ -91,7 +90,7 @@ mod tests {
         builtin.exact_distances(points, points, from).unwrap()
     }
 
-    /// Returns the largest relative difference. The difference is infinite where only one of both is NaN.
+    /// Returns the largest relative difference. It is infinite where exactly one value is NaN.
     fn difference(a: &[f64], b: &[f64]) -> f64 {
         let of_pair = |(a, b): (&f64, &f64)| match (a.is_nan(), b.is_nan()) {
             (false, false) => (a - b).abs() / b.max(f64::MIN_POSITIVE),

@@ -1,4 +1,4 @@
-//! Shoots a panel of neighbouring rays, from the source to where the last of them ends.
+//! Shoots a panel of neighbouring rays, from the source to the end of the longest.
 
 use glam::DVec2;
 
@@ -20,7 +20,7 @@ const ACROSS: usize = 4;
 /// Distance beyond each triangle, relative to it, up to which guesses are made. The triangles are flat, the
 /// patch is not.
 const BEYOND: f64 = 0.25;
-/// Distance from the border of the domain, relative to its width, beyond which paths need no closer look.
+/// Distance from the border of the domain, relative to its width, beyond which paths need no closer check.
 const FAR_FROM_BORDER: f64 = 0.01;
 
 impl Panel {
@@ -56,7 +56,7 @@ impl Panel {
         Some(Self { patches, step: *step })
     }
 
-    /// Enters the grid points that the rays pass.
+    /// Records the grid points that the rays pass.
     pub(super) fn arrive(&self, arrivals: &Arrivals) {
         let mut clear = true;
         for (index, patch) in self.patches.iter().enumerate() {
@@ -81,7 +81,7 @@ impl Panel {
         }
     }
 
-    /// Enters a grid point that may lie near a guess.
+    /// Records a grid point if it lies near a guess.
     fn arrive_at(
         &self,
         point: usize,
@@ -100,9 +100,10 @@ impl Panel {
         }
     }
 
-    /// Returns the patch that passes a place, and the position in it, starting from a guess.
+    /// Finds the patch that contains a point (u, v), and the position in the patch, starting from a guess.
     fn locate(&self, place: DVec2, index: usize, guess: DVec2) -> Option<(usize, DVec2)> {
-        /// A guess can be wrong by a step or two: triangles are flat, and fronts are not.
+        /// Maximum number of moves from a guess to the right patch. A guess can be wrong by a step or two, since
+        /// triangles are flat and fronts are not.
         const MOST_MOVES: usize = 4;
         const ROUNDING: f64 = 1e-9;
         let (mut index, mut guess) = (index, guess);
