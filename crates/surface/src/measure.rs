@@ -193,8 +193,7 @@ impl<R: Real, S: Space<R>> Measure<'_, R, S> {
     #[inline(always)]
     fn span(&mut self, start: usize, points: usize) -> bool {
         let mut found = [[R::FAR; SPAN]; 4];
-        // Each direction is a constant: with steps unknown at compile time, the compiler does not vectorize
-        // the loop.
+        // Constant directions: with steps unknown at compile time, the compiler does not vectorize the loop.
         let mut suspicious = self.line::<0>(start, points, &mut found[0]);
         suspicious |= self.line::<1>(start, points, &mut found[1]);
         suspicious |= self.line::<2>(start, points, &mut found[2]);

@@ -1,4 +1,4 @@
-//! Provides rows of grid points in the form from which edges are measured.
+//! Rows of grid points, in the form that the measurement of edges needs.
 
 use glam::DVec3;
 use rayon::prelude::*;

@@ -1,4 +1,4 @@
-//! Measures whether the grid resolves the surface: how far its normals turn from point to point.
+//! Measures whether the grid resolves the surface, by the turn of its normals from point to point.
 
 use glam::DVec3;
 
@@ -34,10 +34,10 @@ impl Resolution {
     /// Returns whether the surface turns at random: by more than 12 degrees a step, and not much further in
     /// two steps than in one. A surface that bends turns further in two steps.
     ///
-    /// This was measured on white noise and on smoothed noise (30 x 30 points, against exact polyhedral
-    /// distances). On noise with a relief of 0.3 times the spacing or more, planar fronts have the smallest
-    /// error, since rough ground makes fronts early and planar fronts are late. On smooth surfaces curved
-    /// fronts have the smallest error, however steep the surface is.
+    /// The thresholds were measured on white noise and on smoothed noise (30 x 30 points, against exact polyhedral
+    /// distances). On noise with a relief of 0.3 times the spacing or more, planar fronts have the smallest error,
+    /// since rough ground makes fronts early and planar fronts are late. On smooth surfaces curved fronts have the
+    /// smallest error, however steep the surface is.
     pub fn is_rough(&self) -> bool {
         let [one, two] = self.turns;
         one > ROUGH_TURN * ROUGH_TURN && two < ROUGH_TURNS * one

@@ -67,8 +67,7 @@ impl Display for Seam {
 /// and more than the rounding of half precision, in which geometry images are sometimes stored.
 pub(super) const COINCIDENT: f64 = 0.05;
 
-/// Largest factor by which the step between two neighbouring sides may be longer or shorter than the steps of the grid
-/// before and behind it.
+/// Maximum ratio, either way, of the step between two neighbouring sides to the steps of the grid before and behind it.
 const MOST_UNEVEN: f64 = 2.0;
 /// Length up to which a step counts as zero, as at a pole. It is a part of the longest edge that leads inwards from the
 /// side.

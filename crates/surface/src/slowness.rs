@@ -137,10 +137,9 @@ impl Surface {
     /// Returns whether the slowness jumps all over the surface: by more than a quarter along a twentieth of
     /// the edges of rows and columns.
     ///
-    /// This was measured on random blocks of 5 x 5 and on blobs, at 40 x 40 points with contrasts of 3
-    /// to 1000. Distances from one point to another and back differ by a mean of 4e-4 to 9e-4 with planar
-    /// fronts, and by two to four times as much with curved fronts, which arrive earlier where they come from
-    /// slow regions.
+    /// The threshold was measured on random blocks of 5 x 5 and on blobs, at 40 x 40 points with contrasts of 3 to
+    /// 1000. Distances from one point to another and back differ by a mean of 4e-4 to 9e-4 with planar fronts, and by
+    /// two to four times as much with curved fronts, which arrive earlier where they come from slow regions.
     pub(crate) fn is_slowed_in_patches(&self) -> bool {
         if !self.is_slowed_unevenly() {
             return false;

@@ -37,7 +37,8 @@ impl Stop {
         Self { tolerance: 0.0, iterations }
     }
 
-    /// Stops once a map of `surface` has settled to `tolerance`, or after far more iterations than a map needs.
+    /// Stops once a map of `surface` has settled to `tolerance`, or after a limit far above the iterations that a map
+    /// needs.
     #[doc(hidden)]
     pub fn settled(surface: &Surface, tolerance: f64) -> Self {
         let enough = 10 * (surface.rows() + surface.cols());

@@ -9,8 +9,8 @@ use glam::DVec2;
 use super::super::{Chart, Surface};
 use super::lattice::Lattice;
 
-/// A part of a surface as an open surface of its own. It goes on over seams where the grid does, so that a point may
-/// lie in it more than once.
+/// A part of a surface as a separate open surface. Like the grid, it continues over seams, so it may contain a point
+/// more than once.
 pub struct Sheet<'a> {
     whole: &'a Surface,
     part: Cow<'a, Surface>,

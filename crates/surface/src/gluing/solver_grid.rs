@@ -35,7 +35,7 @@ impl Surface {
         SolverGrid { surface: Cow::Borrowed(self), chart: self.chart, first: (0, 0) }
     }
 
-    /// Returns whether there are obtuse triangles so near to a seam that points beyond it may split them.
+    /// Returns whether a seam has obtuse triangles so near that points beyond it may split them.
     fn has_obtuse_triangles_beside(&self, lattice: Lattice) -> bool {
         let reach = REACH as isize;
         let whole = |points: usize, goes_on: Option<bool>| match goes_on {
@@ -75,7 +75,7 @@ impl Surface {
     }
 }
 
-/// Number of lines beyond a seam in which a triangle's splits may lie.
+/// Number of lines beyond a seam whose points may split a triangle.
 const REACH: usize = SPLIT_REACH as usize;
 
 impl SolverGrid<'_> {

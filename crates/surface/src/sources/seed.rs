@@ -109,7 +109,7 @@ pub struct Origins {
 }
 
 impl Origins {
-    /// Returns the state without origins. `meets_itself` says whether a front may meet itself on the surface
+    /// Creates an empty set. `meets_itself` tells whether a front may meet itself on the surface
     /// ([`super::EdgeLengths::front_meets_itself`]).
     #[doc(hidden)]
     pub fn none(meets_itself: bool) -> Self {

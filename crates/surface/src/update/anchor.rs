@@ -5,7 +5,7 @@ use bytemuck::{Pod, Zeroable};
 use super::carried::Carried;
 use crate::{Real, TAG, Tagged};
 
-/// The number of an anchor (a pseudo-source), below `ANCHORS`(crate::ANCHORS). Its tag says which
+/// The number of an anchor (a pseudo-source), below `ANCHORS`. Its tag says which
 /// scan brought the front.
 ///
 /// The bits of the number make a normal floating-point number, which devices leave unchanged. The highest bit

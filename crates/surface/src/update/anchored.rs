@@ -459,7 +459,7 @@ impl<R: Real> Floor<R> {
         cross(self.step(before, at), self.step(at, next))
     }
 
-    /// Returns the shape of the path from an anchor to an end, or `None` if the shape is not known.
+    /// Returns the shape of the path from an anchor to an end, or `None` if it is unknown.
     fn detour(
         &self,
         anchor: usize,

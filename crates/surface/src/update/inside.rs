@@ -1,4 +1,4 @@
-//! Numbers the sources inside cells, which are anchors without being grid points.
+//! Numbers of sources inside cells, which are anchors but not grid points.
 
 use glam::DVec2;
 
