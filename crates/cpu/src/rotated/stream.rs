@@ -12,8 +12,8 @@ use geosweep_surface::Real;
 /// If two slices of a pair differ in length.
 pub(crate) fn stream<'a>(pairs: impl Iterator<Item = (&'a [f32], &'a mut [f32])>) {
     pairs.for_each(|(from, to)| copy(from, to));
-    // Without the fence, another thread could learn that the work is done before the numbers are visible to it. SAFETY:
-    // every x86-64 machine has SSE.
+    // Without the fence, another thread could learn that the work is done before the numbers are visible to it.
+    // SAFETY: every x86-64 machine has SSE.
     #[cfg(target_arch = "x86_64")]
     unsafe {
         std::arch::x86_64::_mm_sfence();
