@@ -32,7 +32,7 @@
  * are row by row. Start with structs that are all zero: each enum then has its usual value, and there
  * are no arrays and no barriers. Readers, slots and the value of unreached points have no usual value.
  *
- * This file is generated from src/capi. Do not edit it.
+ * This file is generated from crates/capi/src. Do not edit it.
  */
 
 
