@@ -26,7 +26,7 @@ const GLSL: &str = "glsl";
 /// Folders of shader sources in glsl/: passes, what several passes share, and the update of a triangle.
 const FOLDERS: [&str; 3] = ["passes", "shared", "update"];
 const COMMITTED: &str = "glsl/spirv";
-/// The same constants in Rust, for all crates.
+/// File of these constants in Rust, for all crates.
 const CONSTANTS: &str = "crates/surface/src/constants.rs";
 /// File with the fingerprint of the sources of the committed SPIR-V, and of the way in which it was compiled.
 const OF_SOURCES: &str = "glsl/spirv/sources.fnv";

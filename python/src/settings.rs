@@ -69,7 +69,7 @@ impl Settings {
 /// A line's vertices (n, 2), and the start time along it.
 pub type Line<'py> = (PyReadonlyArray2<'py, f64>, f64);
 
-/// What a map is computed from: points, lines, options, and whether the map is in double precision.
+/// Inputs of a map: points, lines, options, and whether the map is in double precision.
 #[derive(FromPyObject)]
 pub struct Problem<'py>(pub PyReadonlyArray2<'py, f64>, pub Vec<Line<'py>>, pub Settings, pub bool);
 

@@ -40,7 +40,7 @@ fn vertices() -> Vec<f32> {
     [9.0; 3].into_iter().chain((0..POINTS).flat_map(vertex)).collect()
 }
 
-/// The same slope as positions, heights and a metric in the program's memory, and as positions in a buffer, with a mask,
+/// Gives one slope as positions, heights and a metric in the program's memory, and as positions in a buffer, with a mask,
 /// a slowness, an offset and a stride. Other points replace them afterwards.
 #[test]
 fn all_kinds_of_points_and_wavefronts_give_the_map_of_a_slope() {
