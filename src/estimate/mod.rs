@@ -353,6 +353,8 @@ fn seeds_beside<R: Real>(
                         from: None,
                         origin: None,
                         exact: false,
+                        heading: geosweep_surface::Heading::Everywhere,
+                        source: 0,
                     });
                 }
             }

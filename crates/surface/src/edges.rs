@@ -6,6 +6,7 @@ use std::sync::{Arc, OnceLock};
 use super::arc::EdgeRule;
 use super::chart::{Block, Chart, Direction, EdgeSlot, STORED};
 use super::even_grid::EvenGrid;
+use super::fan::Fan;
 use super::gluing::Groups;
 use super::obtuse::lists::ObtuseTriangles;
 use super::obtuse::parts::SplitParts;
@@ -46,6 +47,8 @@ pub(super) struct SharedEdges<R> {
     pub(super) floor: Option<EvenGrid>,
     /// See `gaussian_curvature.rs`. Empty until it is requested.
     pub(super) gaussian_curvature: OnceLock<Arc<Vec<R>>>,
+    /// See `fan/mod.rs`. Empty until they are requested.
+    pub(super) fans: OnceLock<Arc<Vec<Fan<R>>>>,
     /// See `obtuse/lists.rs`.
     pub(super) obtuse: ObtuseTriangles,
     /// See `obtuse/parts.rs`.
@@ -102,6 +105,7 @@ impl<R: Real> EdgeLengths<R> {
             metric_curvature: metric.map(|whole| cut(whole, R::nan())),
             floor: self.shared.floor,
             gaussian_curvature: OnceLock::new(),
+            fans: OnceLock::new(),
             obtuse: Default::default(),
             parts: SplitParts::default(),
             copies: None,

@@ -3,6 +3,7 @@
 //! The solvers need only lengths. Every kind of surface becomes the lengths of the edges between neighbouring grid
 //! points ([`EdgeLengths`]), and every source becomes initial values at grid points ([`Seed`]).
 
+mod angle;
 mod arc;
 pub mod builtin;
 mod chart;
@@ -15,6 +16,7 @@ mod edges;
 mod error;
 mod even_cells;
 mod even_grid;
+mod fan;
 mod floor_plan;
 mod gaussian_curvature;
 mod geodetic;
@@ -65,6 +67,8 @@ pub use error::SurfaceError;
 #[doc(hidden)]
 pub use even_grid::EvenGrid;
 #[doc(hidden)]
+pub use fan::Fan;
+#[doc(hidden)]
 pub use gaussian_curvature::{DIFFRACTS, LACKING};
 pub use geodetic::{GeodeticError, GeodeticGrid};
 #[doc(hidden)]
@@ -90,7 +94,7 @@ pub use seams::Seam;
 pub use sources::Origins;
 #[doc(hidden)]
 pub use sources::with_diagonals;
-pub use sources::{Origin, Seed, Source, SourceError, Sources};
+pub use sources::{Heading, Origin, Seed, Source, SourceError, Sources};
 pub use stop::{Convergence, DEFAULT_TOLERANCE, DEFAULT_TOLERANCE_F64, Stop};
 #[doc(hidden)]
 pub use tag::{TAG, Tagged};

@@ -112,6 +112,7 @@ impl<R: Real> EdgeLengths<R> {
             metric_curvature: surface.metric_curvature(),
             floor: surface.floor(),
             gaussian_curvature: OnceLock::new(),
+            fans: OnceLock::new(),
             obtuse,
             parts: SplitParts::default(),
             copies: surface

@@ -36,6 +36,14 @@ pub trait Real:
     /// Converts a non-negative relative change to units of this precision.
     fn in_units(self) -> Self::Bits;
 
+    /// Returns the angle in radians, from -pi to pi, by which the angle `to` is ahead of `from`. Both are words whose
+    /// upper half counts parts of a turn; the lower half is ignored.
+    fn angle_between(from: Self::Bits, to: Self::Bits) -> Self;
+
+    /// Returns the word of the angle that is ahead of the angle `from` by some radians, at most three turns. Its lower
+    /// half is zero.
+    fn angle_ahead(from: Self::Bits, radians: Self) -> Self::Bits;
+
     /// Rounds to this precision.
     fn of(value: f64) -> Self;
 
@@ -49,7 +57,7 @@ mod sealed {
 }
 
 macro_rules! precision {
-    ($real:ident, $bits:ident) => {
+    ($real:ident, $bits:ident, $signed:ident) => {
         impl sealed::Precision for $real {}
 
         impl Real for $real {
@@ -77,6 +85,23 @@ macro_rules! precision {
             }
 
             #[inline(always)]
+            fn angle_between(from: $bits, to: $bits) -> Self {
+                const UPPER: $bits = $bits::MAX << ($bits::BITS / 2);
+                const PER_STEP: $real = std::$real::consts::PI / $signed::MAX as $real;
+                (to & UPPER).wrapping_sub(from & UPPER) as $signed as $real * PER_STEP
+            }
+
+            #[inline(always)]
+            fn angle_ahead(from: $bits, radians: $real) -> $bits {
+                const HALF: u32 = $bits::BITS / 2;
+                const STEPS: $real = ((1 as $bits) << HALF) as $real / std::$real::consts::TAU;
+                // Adding this number moves the integer part of a small number to the last binary digits.
+                const SHIFT: $real = 1.5 * ((1 as $bits) << ($real::MANTISSA_DIGITS - 1)) as $real;
+                let steps = (radians * STEPS + SHIFT).to_bits();
+                ((from >> HALF).wrapping_add(steps)) << HALF
+            }
+
+            #[inline(always)]
             fn of(value: f64) -> Self {
                 value as $real
             }
@@ -89,8 +114,8 @@ macro_rules! precision {
     };
 }
 
-precision!(f32, u32);
-precision!(f64, u64);
+precision!(f32, u32, i32);
+precision!(f64, u64, i64);
 
 /// Converts a count of [`Real::units_between`] to a relative change of an arrival time. The result is at most
 /// twice the true change, and 1 for a point that was reached for the first time.

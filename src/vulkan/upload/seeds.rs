@@ -66,6 +66,8 @@ mod tests {
                 from: None,
                 origin: None,
                 exact: false,
+                heading: geosweep_surface::Heading::Everywhere,
+                source: 0,
             };
             let front = Front { time: 0.25, curvature: curvature as f32, whole: true };
             let of_cpu = Curvature::of(front, SEED).value();
@@ -83,6 +85,8 @@ mod tests {
             from: None,
             origin: None,
             exact: false,
+            heading: geosweep_surface::Heading::Everywhere,
+            source: 0,
         };
         let seeds = [seed(3, 3, 1.0), seed(0, 0, 0.0), seed(2, 3, 2.0), seed(3, 3, 0.5)];
         let texels = seed_texels(&seeds, &curvatures(&seeds), Wavefront::Planar);

@@ -53,6 +53,7 @@ pub fn limited_march<R: Real>(
         FrontOver::Planar(kind) => by_triangles(edges, connections, seeds, kind, limit),
         FrontOver::Circular(kind) => by_triangles(edges, connections, seeds, kind, limit),
         FrontOver::Curved(kind) => by_triangles(edges, connections, seeds, kind, limit),
+        FrontOver::Rays(kind) => by_triangles(edges, connections, seeds, kind, limit),
         FrontOver::SlowedPlanar(kind) => by_triangles(edges, connections, seeds, kind, limit),
         FrontOver::SlowedCurved(kind) => by_triangles(edges, connections, seeds, kind, limit),
         FrontOver::Anchored(kind) => by_anchors(edges, seeds, kind, limit),

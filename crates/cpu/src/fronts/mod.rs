@@ -14,6 +14,7 @@ mod kind;
 mod lanes;
 mod origins;
 mod planar;
+mod rays;
 mod slowed;
 mod slowed_curved;
 mod slowed_planar;
@@ -26,6 +27,7 @@ pub(super) use curved::Curved;
 pub(super) use kind::{FrontKind, Fronts, PointKind, TriangleFronts, TriangleKind};
 pub(super) use lanes::LaneKind;
 pub(super) use planar::Planar;
+pub(super) use rays::Rays;
 pub(super) use slowed_curved::SlowedCurved;
 pub(super) use slowed_planar::SlowedPlanar;
 pub(super) use surface_array::SurfaceArray;
@@ -40,6 +42,7 @@ pub(super) enum FrontOver<R> {
     Circular(Circular),
     Curved(Curved<R>),
     Anchored(Anchored<R>),
+    Rays(Rays<R>),
     SlowedPlanar(SlowedPlanar<R>),
     SlowedCurved(SlowedCurved<R>),
 }
@@ -61,6 +64,7 @@ impl<R: Real> FrontOver<R> {
             (Wavefront::Planar, _) => Self::Planar(Planar),
             (Wavefront::Circular, _) => Self::Circular(Circular::new(edges)),
             (Wavefront::Anchored, Some(grid)) => Self::Anchored(Anchored::new(edges, grid)),
+            (Wavefront::Rays, _) => Self::Rays(Rays::new(edges)),
             (Wavefront::Anchored | Wavefront::Curved, _) => Self::Curved(Curved::new(edges)),
         }
     }
@@ -75,6 +79,7 @@ macro_rules! for_kind {
             $crate::fronts::FrontOver::Circular($kind) => $solve,
             $crate::fronts::FrontOver::Curved($kind) => $solve,
             $crate::fronts::FrontOver::Anchored($kind) => $solve,
+            $crate::fronts::FrontOver::Rays($kind) => $solve,
             $crate::fronts::FrontOver::SlowedPlanar($kind) => $solve,
             $crate::fronts::FrontOver::SlowedCurved($kind) => $solve,
         }
@@ -90,6 +95,7 @@ macro_rules! for_triangle_kind {
             $crate::fronts::FrontOver::Planar($kind) => $solve,
             $crate::fronts::FrontOver::Circular($kind) => $solve,
             $crate::fronts::FrontOver::Curved($kind) => $solve,
+            $crate::fronts::FrontOver::Rays($kind) => $solve,
             $crate::fronts::FrontOver::SlowedPlanar($kind) => $solve,
             $crate::fronts::FrontOver::SlowedCurved($kind) => $solve,
             $crate::fronts::FrontOver::Anchored(_) => {

@@ -65,7 +65,7 @@ impl PairwiseScan {
                 Box::new(Scans::<Circular<true>>::new(edges))
             }
             Wavefront::Circular => Box::new(Scans::<Circular<false>>::new(edges)),
-            Wavefront::Curved | Wavefront::Anchored => return None,
+            Wavefront::Curved | Wavefront::Anchored | Wavefront::Rays => return None,
         };
         Some(Self { chart: edges.chart(), scans, instructions: Instructions::best() })
     }

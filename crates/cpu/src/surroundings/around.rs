@@ -116,6 +116,8 @@ impl<'a> Surroundings<'a> {
                 from,
                 origin,
                 exact: false,
+                heading: geosweep_surface::Heading::Everywhere,
+                source: 0,
             })
         });
         arrived.collect()

@@ -6,7 +6,7 @@ use std::ops::Range;
 
 use glam::DVec2;
 
-use super::super::{Chart, Surface};
+use super::super::{Chart, Direction, Surface};
 use super::lattice::Lattice;
 
 /// A part of a surface as a separate open surface. Like the grid, it continues over seams, so it may contain a point
@@ -97,6 +97,25 @@ impl Sheet<'_> {
         self.whole
             .continued(row, col)
             .expect("a sheet's points lie on the grid or where it goes on")
+    }
+
+    /// Returns the factors for rows and columns that convert a step at a point of the part to the same step on the whole
+    /// grid.
+    pub(crate) fn turn(&self, (row, col): (usize, usize)) -> DVec2 {
+        if !self.whole.is_glued() {
+            return DVec2::ONE;
+        }
+        let here = self.point((row, col));
+        let chart = self.chart();
+        let factor = |to: Direction, axis: fn((usize, usize)) -> usize| {
+            let change = |to: Direction| {
+                let there = axis(self.point(chart.neighbour(row, col, to)?));
+                let change = there as f64 - axis(here) as f64;
+                (change.abs() == 1.0).then_some(change)
+            };
+            change(to).or_else(|| change(to.opposite()).map(|back| -back)).unwrap_or(1.0)
+        };
+        DVec2::new(factor(Direction::South, |at| at.0), factor(Direction::East, |at| at.1))
     }
 
     /// Finds the points of the part that are copies of one of `points`, which are points of the whole grid. Returns for

@@ -7,7 +7,7 @@
 
 use glam::DVec2;
 
-use super::seed::Seed;
+use super::seed::{Heading, Seed};
 use crate::Surface;
 
 /// Returns the seeds of a floor plan, each followed by the points beside the diagonal through its source, if
@@ -32,6 +32,8 @@ pub fn with_diagonals(surface: &Surface, seeds: Vec<Seed>) -> Vec<Seed> {
                 from: Some(from),
                 origin: seed.origin,
                 exact: false,
+                heading: Heading::Everywhere,
+                source: 0,
             }
         }));
     }

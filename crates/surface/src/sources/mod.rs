@@ -21,7 +21,7 @@ pub use origin::Origin;
 use part::SourcePart;
 #[doc(hidden)]
 pub use seed::Origins;
-pub use seed::Seed;
+pub use seed::{Heading, Seed};
 pub use source::Source;
 
 /// The sources of one distance map. The map holds the distance to the nearest source, initial values
@@ -135,14 +135,14 @@ impl Sources {
     /// ```
     pub fn seeds_with_origins(&self, surface: &Surface) -> Result<Vec<Seed>, SourceError> {
         let mut seeds = Vec::new();
-        for source in self.iter() {
+        for (number, source) in (0..).zip(self.iter()) {
             let (parts, initial) = (SourcePart::all(surface, source), source.initial());
             let first = parts.first().ok_or(SourceError::EmptyCurve)?.first();
             let of_source = part::seeds(surface, &parts, initial)?;
             if initial.is_nan() || initial.abs() >= LARGEST_INITIAL {
                 return Err(SourceError::Initial { row: first.x, col: first.y, initial });
             }
-            seeds.extend(of_source);
+            seeds.extend(of_source.into_iter().map(|seed| Seed { source: number, ..seed }));
         }
         if seeds.is_empty() { Err(SourceError::None) } else { Ok(Seed::earliest(seeds)) }
     }

@@ -111,10 +111,11 @@ impl Placed<'_> {
     /// Returns the initial value on the whole grid at a point of the sheet, if a piece is near.
     fn seed(&self, (row, col): (usize, usize), initial: f64) -> Option<Seed> {
         let seed = self.pieces.seed(self.sheet.part(), row, col, initial)?;
+        let heading = seed.heading.turned(self.sheet.turn((row, col)));
         let (row, col) = self.sheet.point((row, col));
         let named = |at: DVec2| self.name.unwrap_or_else(|| self.sheet.place(at));
         let origin = seed.origin.map(|origin| Origin { ends: origin.ends.map(named), ..origin });
-        Some(Seed { row, col, from: seed.from.map(named), origin, ..seed })
+        Some(Seed { row, col, from: seed.from.map(named), origin, heading, ..seed })
     }
 }
 

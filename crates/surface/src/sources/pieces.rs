@@ -8,7 +8,7 @@ use super::Origin;
 use super::course::{Segment, Vertex};
 use super::error::SourceError;
 use super::rise::Rise;
-use super::seed::Seed;
+use super::seed::{Heading, Seed};
 use crate::{Cell, Sample, Surface, corner_weights, grid_crossings};
 
 /// The part of a source that lies in one cell: a straight segment, or a point.
@@ -152,7 +152,18 @@ impl Surface {
         let is_point = ends[0].0 == ends[1].0;
         let from = (is_point && distance > 0.0).then_some(ends[0].0);
         let origin = self.origin_of(piece, place, initial);
-        Seed { row, col, time: initial + distance, curvature, from, origin, exact: false }
+        let step = DVec2::new(row as f64, col as f64) - ends[0].0.lerp(ends[1].0, place);
+        let heading = if curvature >= Seed::AT_SOURCE {
+            Heading::Everywhere
+        } else if step.abs().max_element() > ON_LINE {
+            Heading::Along(step)
+        } else if is_point {
+            Heading::Everywhere
+        } else {
+            Heading::ToBothSides(ends[1].0 - ends[0].0)
+        };
+        let time = initial + distance;
+        Seed { row, col, time, curvature, from, origin, exact: false, heading, source: 0 }
     }
 
     /// Returns the straight source whose front a piece emits at the place `foot` of its segment. The result

@@ -29,6 +29,32 @@ pub struct Seed {
     /// another source can arrive here first. Curved fronts then do not replace the seed, except for fronts of sources
     /// that are added later.
     pub exact: bool,
+    /// The direction in which the front passes the point.
+    pub heading: Heading,
+    /// Number of the source from which the front comes, among the sources of the map.
+    pub source: u32,
+}
+
+/// The direction in which the front of a seed passes its point. Steps are in rows and columns.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Heading {
+    /// The front leaves the point in all directions, as at a point source.
+    Everywhere,
+    /// The front goes on along this step, which comes from the nearest place of the source.
+    Along(DVec2),
+    /// The point lies on a curve that runs along this step, and the front leaves to both sides.
+    ToBothSides(DVec2),
+}
+
+impl Heading {
+    /// Returns the direction after rows and columns are multiplied by factors.
+    pub(super) fn turned(self, by: DVec2) -> Self {
+        match self {
+            Self::Everywhere => Self::Everywhere,
+            Self::Along(step) => Self::Along(step * by),
+            Self::ToBothSides(step) => Self::ToBothSides(step * by),
+        }
+    }
 }
 
 /// Relative tolerance of the difference between a seed's time and the length of the line to its origin.
@@ -44,7 +70,17 @@ impl Seed {
 
     /// Returns the seed of a point source at a grid point.
     pub fn at_source(row: usize, col: usize, time: f64) -> Self {
-        Self { row, col, time, curvature: Self::AT_SOURCE, from: None, origin: None, exact: false }
+        Self {
+            row,
+            col,
+            time,
+            curvature: Self::AT_SOURCE,
+            from: None,
+            origin: None,
+            exact: false,
+            heading: Heading::Everywhere,
+            source: 0,
+        }
     }
 
     /// Returns the time at which a curved front starts here. Beside a curve this is earlier than the seed's time by

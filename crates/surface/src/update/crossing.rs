@@ -22,7 +22,7 @@ pub fn base_crossing<R: Real>(wavefront: Wavefront, triangle: Triangle<R>, [k1, 
     let kappa = match wavefront {
         Wavefront::Planar => zero,
         Wavefront::Circular | Wavefront::Anchored => c / max(t, R::of(0.25) * c),
-        Wavefront::Curved => {
+        Wavefront::Curved | Wavefront::Rays => {
             let beside = (near_k >= at_source)
                 & ((k * c).abs() < R::of(ABOUT_STRAIGHT))
                 & (d > R::of(-FROM_SOURCE));

@@ -27,6 +27,12 @@ impl<R: Real> Curvature<R> {
         Self(if front.whole { whole } else { half })
     }
 
+    /// Decodes a stored number.
+    #[inline(always)]
+    pub(super) fn of_value(value: R) -> Self {
+        Self(value)
+    }
+
     /// Returns the front with this curvature and the given arrival time.
     #[inline(always)]
     #[doc(hidden)]

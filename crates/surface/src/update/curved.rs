@@ -112,6 +112,26 @@ pub fn curved_at<R: Real, const BORDER: bool>(
     triangle: Triangle<R>,
     curvatures: Curvatures<R>,
 ) -> Front<R> {
+    traced::<R, BORDER>(triangle, curvatures).front
+}
+
+/// A front, and the ray by which it arrives at x0. Vectors are in the plane of the triangle, with the base from x1 to
+/// x2 along the first axis.
+#[derive(Clone, Copy)]
+pub(super) struct Traced<R> {
+    pub front: Front<R>,
+    /// Whether the front came through the face of the triangle.
+    pub inside: bool,
+    /// Direction of the ray at x0, not normalized.
+    pub ray: [R; 2],
+}
+
+/// Returns the front of [`curved_at`] with its ray.
+#[inline(always)]
+pub(super) fn traced<R: Real, const BORDER: bool>(
+    triangle: Triangle<R>,
+    curvatures: Curvatures<R>,
+) -> Traced<R> {
     let Triangle { t1, t2, l1, l2, c } = triangle;
     let Curvatures { fronts: [k1, k2], surface: [g0, g1, g2], alone, causal } = curvatures;
     let (zero, one, half, focus) = (R::zero(), R::one(), R::of(0.5), R::of(FOCUS));
@@ -205,7 +225,9 @@ pub fn curved_at<R: Real, const BORDER: bool>(
     // Curvatures stay above the numbers of origins, which may stand in their place.
     let least = R::of(-0.5 * FIRST_ORIGIN);
     let curvature = max(bent(dividend * per, half * (g0 + gaussian), ray), least);
-    Front { time: if inside { time } else { edge_time }, curvature, whole }
+    let front = Front { time: if inside { time } else { edge_time }, curvature, whole };
+    let along = kappa * p - cos_a;
+    Traced { front, inside, ray: [if swap { -along } else { along }, width] }
 }
 
 /// Returns the curvature at the end of a ray on a surface of some Gaussian curvature, from the curvature on a

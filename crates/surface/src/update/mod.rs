@@ -8,12 +8,14 @@ mod anchor;
 mod anchored;
 mod carried;
 mod circular;
+mod course;
 #[cfg(feature = "twins")]
 mod crossing;
 mod curvature;
 mod curved;
 mod inside;
 mod planar;
+mod rays;
 mod sight;
 mod slowed;
 mod wavefront;
@@ -25,6 +27,8 @@ pub use anchored::{Floor, is_shorter};
 #[doc(hidden)]
 pub use carried::{Carried, EXACT, EXCHANGED, SEED, StoredFront, tag_of};
 pub use circular::circular;
+#[doc(hidden)]
+pub use course::{CarriedRay, Course};
 #[cfg(feature = "twins")]
 #[doc(hidden)]
 pub use crossing::base_crossing;
@@ -36,6 +40,8 @@ pub use curved::{Curvatures, Front, curved};
 #[doc(hidden)]
 pub use inside::InsideSources;
 pub use planar::planar;
+#[doc(hidden)]
+pub use rays::{RayApex, RayEnd, RayFront, rays};
 #[doc(hidden)]
 pub use sight::{Sighted, Steps, curved_from_origins, line_to};
 #[doc(hidden)]

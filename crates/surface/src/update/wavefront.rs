@@ -28,13 +28,17 @@ pub enum Wavefront {
     /// On other surfaces and from curves it is refused. Engines that are given the edges of another surface
     /// solve as [`Self::Curved`].
     Anchored = constants::ANCHORED as i32,
+    /// A front that carries its curvature, the direction of its ray, and the number of its source. Where fronts of
+    /// several sources meet, or a front meets itself, each goes on alone.
+    Rays = 4,
 }
 
 impl Wavefront {
     /// The wavefronts that suit any surface: all but [`Self::Anchored`].
     pub const FOR_ANY_SURFACE: [Self; 3] = [Self::Planar, Self::Circular, Self::Curved];
     /// All wavefronts, including [`Self::Anchored`].
-    pub const ALL: [Self; 4] = [Self::Planar, Self::Circular, Self::Curved, Self::Anchored];
+    pub const ALL: [Self; 5] =
+        [Self::Planar, Self::Circular, Self::Curved, Self::Anchored, Self::Rays];
 
     /// Returns whether fronts carry their curvature.
     pub fn is_curved(self) -> bool {
@@ -54,6 +58,7 @@ impl Wavefront {
             Self::Circular => "circular",
             Self::Curved => "curved",
             Self::Anchored => "anchored",
+            Self::Rays => "rays",
         }
     }
 
