@@ -9,7 +9,9 @@ pub fn sin_cos<R: Real>(angle: R) -> [R; 2] {
     // Series of the half angle, which is at most a right angle.
     let half = angle * R::of(0.5);
     let square = half * half;
-    let series = |terms: [f64; 7]| terms.into_iter().rev().fold(R::zero(), |sum, term| sum * square + R::of(term));
+    let series = |terms: [f64; 7]| {
+        terms.into_iter().rev().fold(R::zero(), |sum, term| sum * square + R::of(term))
+    };
     let sine = half
         * series([
             1.0,
@@ -33,6 +35,13 @@ pub fn sin_cos<R: Real>(angle: R) -> [R; 2] {
     [two * sine * cosine, R::one() - two * sine * sine]
 }
 
+/// Returns the cosine of an angle from -pi to pi, as [`sin_cos`] does.
+#[inline(always)]
+#[doc(hidden)]
+pub fn cosine<R: Real>(angle: R) -> R {
+    sin_cos(angle)[1]
+}
+
 /// Returns the angle of a vector, from -pi to pi, to 2e-8. The angle of the zero vector is 0.
 #[inline(always)]
 #[doc(hidden)]
@@ -45,8 +54,10 @@ pub fn angle_of<R: Real>([x, y]: [R; 2]) -> R {
     let turned = (tangent - R::one()) / (tangent + R::one());
     let t = if is_wide { turned } else { tangent };
     let square = t * t;
-    let series = [1.0, -1.0 / 3.0, 1.0 / 5.0, -1.0 / 7.0, 1.0 / 9.0, -1.0 / 11.0, 1.0 / 13.0, -1.0 / 15.0];
-    let angle = t * series.into_iter().rev().fold(R::zero(), |sum, term| sum * square + R::of(term));
+    let series =
+        [1.0, -1.0 / 3.0, 1.0 / 5.0, -1.0 / 7.0, 1.0 / 9.0, -1.0 / 11.0, 1.0 / 13.0, -1.0 / 15.0];
+    let angle =
+        t * series.into_iter().rev().fold(R::zero(), |sum, term| sum * square + R::of(term));
     let quarter = R::of(std::f64::consts::FRAC_PI_2);
     let angle = if is_wide { angle + R::of(std::f64::consts::FRAC_PI_4) } else { angle };
     let angle = if across > along { quarter - angle } else { angle };
@@ -78,8 +89,11 @@ mod tests {
     #[test]
     fn words_hold_angles_in_any_turn() {
         for (from, by) in [(0.3, 0.5), (3.0, 1.0), (-3.0, -1.0), (1.0, 9.0), (2.0, -17.0)] {
-            let (of_single, of_double) = (f32::angle_ahead(0, from as f32), f64::angle_ahead(0, from));
-            let turns = |angle: f64| angle - (angle / std::f64::consts::TAU).round() * std::f64::consts::TAU;
+            let (of_single, of_double) =
+                (f32::angle_ahead(0, from as f32), f64::angle_ahead(0, from));
+            let turns = |angle: f64| {
+                angle - (angle / std::f64::consts::TAU).round() * std::f64::consts::TAU
+            };
             let single = f32::angle_between(of_single, f32::angle_ahead(of_single, by as f32));
             let double = f64::angle_between(of_double, f64::angle_ahead(of_double, by));
             assert!((f64::from(single) - turns(by)).abs() < 1e-4, "{single}");

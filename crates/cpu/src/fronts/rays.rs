@@ -7,10 +7,12 @@ use super::lanes::LaneKind;
 use super::surface_array::SurfaceArray;
 use crate::bend_units;
 use crate::lines::line::ScanLine;
+use crate::lines::settled::{Visited, from_curved};
 use crate::lines::span::{Before, LargestChanges, Span, TILE};
 use crate::scan::{Scan, UpdateOptions};
 use geosweep_surface::update::{
-    Carried, CarriedRay, Course, Front, RayApex, RayEnd, RayFront, SEED, StoredFront, Triangle, rays,
+    Carried, CarriedRay, Course, Front, RayApex, RayEnd, RayFront, SEED, StoredFront, Triangle,
+    of_one_front, rays,
 };
 use geosweep_surface::{Chart, Direction, EdgeLengths, Fan, Heading, Real, Seed, min};
 
@@ -35,7 +37,10 @@ impl<R: Real> Rays<R> {
         let [a, b] = [from, to].map(|point| chart.entry(point));
         let step = [b.0 as isize - a.0 as isize, b.1 as isize - a.1 as isize];
         let fan = &self.fans[from];
-        match Direction::ALL.into_iter().find(|direction| <[isize; 2]>::from(direction.step()) == step) {
+        match Direction::ALL
+            .into_iter()
+            .find(|direction| <[isize; 2]>::from(direction.step()) == step)
+        {
             Some(direction) => fan.angle(direction as usize),
             None => self.edges.angle_of_step(fan, from, step.map(|by| by as f64)),
         }
@@ -124,7 +129,10 @@ impl<R: Real> Fronts<R> for CarriedRay<R> {
         let (of_a, of_b) = (a.carried.front(a.time).front, b.carried.front(b.time).front);
         let second =
             if of_a.arrives_with(of_b) { of_b.knows_better(of_a) } else { of_b.time < of_a.time };
-        StoredFront { time: min(a.time, b.time), carried: if second { b.carried } else { a.carried } }
+        StoredFront {
+            time: min(a.time, b.time),
+            carried: if second { b.carried } else { a.carried },
+        }
     }
 
     #[inline(always)]
@@ -182,7 +190,42 @@ impl<R: Real> LaneKind<R> for Rays<R> {
         options: UpdateOptions,
         changes: &mut LargestChanges<R>,
     ) -> Option<bool> {
-        update_span(of_line, line, [start, points], splits, options, changes)
+        let span = line.span(start, points);
+        let has_splits = !splits.is_empty();
+        let is_settled = match has_splits {
+            false => leaves::<_, false>(&span, points, options),
+            true => {
+                let is_alone = splits.iter().all(|(_, front)| front.is_none());
+                is_alone && leaves::<_, true>(&span, points, options)
+            }
+        };
+        if is_settled {
+            return None;
+        }
+        let surface_behind = line.surface_behind(start, points);
+        let on = OnSpan { of_line, span, surface_behind, has_splits };
+        let first = on.first_fronts(points, options);
+        let (mut times, mut carried) = ([R::zero(); TILE], [CarriedRay::default(); TILE]);
+        let mut any = false;
+        for i in 0..points {
+            let before = StoredFront { time: span.times[i], carried: span.carried[i] };
+            let mut front = first.get(i);
+            if has_splits {
+                let split = splits.iter().find(|(place, _)| *place == start + i);
+                if let Some((_, Some(split))) = split {
+                    front = RayFront::first(front, *split);
+                }
+            }
+            let after = CarriedRay::accept(before, front, options.scan.0, options.renews);
+            (times[i], carried[i]) = (after.time, after.carried);
+            let change = before.time.units_between(after.time);
+            any |= after != before;
+            changes.note(i, change);
+            let [bent_before, bent] = [before.carried.value(), after.carried.value()];
+            changes.note_bend(i, (bent - bent_before).abs() * after.time);
+        }
+        line.set(start, &times[..points], &carried[..points]);
+        Some(any)
     }
 
     #[inline(always)]
@@ -194,44 +237,217 @@ impl<R: Real> LaneKind<R> for Rays<R> {
         points: usize,
         options: UpdateOptions,
     ) -> bool {
-        !span.is_renewed(points, options) && span.leads(points)
+        leaves::<_, false>(&span, points, options)
     }
 }
 
-#[inline(never)]
-fn update_span<R: Real>(
-    of_line: &RayLine,
-    line: &mut ScanLine<'_, '_, R, CarriedRay<R>, Fan<R>>,
-    [start, points]: [usize; 2],
-    splits: &[(usize, Option<RayFront<R>>)],
+/// Returns whether a scan leaves a span of points unchanged.
+#[inline(always)]
+fn leaves<R: Real, const SPLIT: bool>(
+    span: &Span<'_, R, CarriedRay<R>, Fan<R>>,
+    points: usize,
     options: UpdateOptions,
-    changes: &mut LargestChanges<R>,
-) -> Option<bool> {
-    let span = line.span(start, points);
-    if !span.is_renewed(points, options) && span.leads(points) {
-        return None;
+) -> bool {
+    if span.is_renewed(points, options) {
+        return false;
     }
-    let surface_behind = line.surface_behind(start, points);
-    let (mut times, mut carried) = ([R::zero(); TILE], [CarriedRay::default(); TILE]);
-    let mut any = false;
+    if span.leads(points) {
+        return true;
+    }
+    let [before, beside, after] = span.carried_behind;
+    let (mut settled, limit) = (true, R::of(options.limit));
     for i in 0..points {
-        let before = StoredFront { time: span.times[i], carried: span.carried[i] };
-        let mut first = of_line.front::<R, true>(&span, &surface_behind, i, !splits.is_empty());
-        first = RayFront::first(first, of_line.front::<R, false>(&span, &surface_behind, i, !splits.is_empty()));
-        let split = splits.iter().find(|(place, _)| *place == start + i);
-        if let Some((_, Some(split))) = split {
-            first = RayFront::first(first, *split);
-        }
-        let after = CarriedRay::accept(before, first, options.scan.0, options.renews);
-        (times[i], carried[i]) = (after.time, after.carried);
-        let change = before.time.units_between(after.time);
-        any |= after != before;
-        changes.note(i, change);
-        let [bent_before, bent] = [before.carried.value(), after.carried.value()];
-        changes.note_bend(i, (bent - bent_before).abs() * after.time);
+        let visited: Visited<R> = span.visited::<SPLIT>(i, limit);
+        let [left, right] = visited.triangles;
+        let [k_before, k_beside, k_after] =
+            [before[i].value(), beside[i].value(), after[i].value()];
+        let of = [
+            from_curved(left, [k_before, k_beside], visited.now),
+            from_curved(right, [k_after, k_beside], visited.now),
+        ];
+        settled &= visited.stays(of);
     }
-    line.set(start, &times[..points], &carried[..points]);
-    Some(any)
+    settled
+}
+
+/// The first front to reach each point of a span.
+struct FirstRays<R: Real> {
+    times: [R; TILE],
+    curvatures: [R; TILE],
+    courses: [R::Bits; TILE],
+    /// 1 where the front came through the face of a triangle, else 0.
+    inside: [R; TILE],
+    /// 1 where the front is not valid, since several fronts may have reached the base.
+    doubtful: [R; TILE],
+}
+
+impl<R: Real> FirstRays<R> {
+    #[inline(always)]
+    fn none() -> Self {
+        let zero = [R::zero(); TILE];
+        Self {
+            times: zero,
+            curvatures: zero,
+            courses: [R::Bits::default(); TILE],
+            inside: zero,
+            doubtful: zero,
+        }
+    }
+
+    #[inline(always)]
+    fn get(&self, i: usize) -> RayFront<R> {
+        let whole = self.inside[i] > R::zero();
+        let front = Front { time: self.times[i], curvature: self.curvatures[i], whole };
+        RayFront { front, course: Course(self.courses[i]) }
+    }
+
+    #[inline(always)]
+    fn set(&mut self, i: usize, RayFront { front, course }: RayFront<R>) {
+        (self.times[i], self.curvatures[i]) = (front.time, front.curvature);
+        self.courses[i] = course.0;
+        self.inside[i] = if front.whole { R::one() } else { R::zero() };
+        self.doubtful[i] = R::zero();
+    }
+
+    #[inline(always)]
+    fn is_doubtful(&self, i: usize) -> bool {
+        self.doubtful[i] > R::zero()
+    }
+
+    /// Returns the front, or none if it is not valid.
+    #[inline(always)]
+    fn valid(&self, i: usize) -> RayFront<R> {
+        let RayFront { front, course } = self.get(i);
+        let none = Front { time: R::FAR, curvature: R::zero(), whole: false };
+        RayFront { front: if self.is_doubtful(i) { none } else { front }, course }
+    }
+}
+
+/// The angles of one edge in the fans of a span's points.
+#[inline(always)]
+fn angles<R: Real>(fans: &[Fan<R>], to: Direction, points: usize) -> [R::Bits; TILE] {
+    let mut found = [R::Bits::default(); TILE];
+    for (found, fan) in found.iter_mut().zip(&fans[..points]) {
+        *found = fan.angle(to as usize);
+    }
+    found
+}
+
+/// A span of points and the surface behind them.
+struct OnSpan<'a, R: Real> {
+    of_line: &'a RayLine,
+    span: Span<'a, R, CarriedRay<R>, Fan<R>>,
+    surface_behind: [&'a [Fan<R>]; 3],
+    has_splits: bool,
+}
+
+impl<R: Real> OnSpan<'_, R> {
+    #[inline(always)]
+    fn first_fronts(&self, points: usize, options: UpdateOptions) -> FirstRays<R> {
+        let span = &self.span;
+        let (mut first, mut second) = (FirstRays::none(), FirstRays::none());
+        self.through::<true>(points, &mut first);
+        self.through::<false>(points, &mut second);
+        // Which triangles of a point to compute again: 1 for the left one, 2 for the right one.
+        let mut again = [R::zero(); TILE];
+        let mut any = false;
+        for i in 0..points {
+            let (left, right) = (first.valid(i), second.valid(i));
+            let best = RayFront::first(left, right);
+            let renewed = options.renews & span.carried[i].is_from(options.scan.0);
+            let now = if renewed { R::FAR } else { span.times[i] };
+            let until = min(now, best.front.time);
+            let along_edge = !best.front.whole & (best.front.time < now);
+            let left = along_edge | (first.is_doubtful(i) & !self.comes_after::<true>(i, until));
+            let right = along_edge | (second.is_doubtful(i) & !self.comes_after::<false>(i, until));
+            any |= left | right;
+            let of_left = if left { R::one() } else { R::zero() };
+            again[i] = of_left + if right { R::of(2.0) } else { R::zero() };
+        }
+        if any {
+            for i in 0..points {
+                if again[i] > R::zero() {
+                    let which = again[i].wide() as u8;
+                    self.compute_again(i, which, &mut first, &mut second);
+                }
+            }
+        }
+        for i in 0..points {
+            first.set(i, RayFront::first(first.valid(i), second.valid(i)));
+        }
+        first
+    }
+
+    /// Returns whether it is certain that a triangle brings no front before a time.
+    #[inline(always)]
+    fn comes_after<const LEFT: bool>(&self, i: usize, until: R) -> bool {
+        let x1 = if LEFT { 0 } else { 1 };
+        let span = &self.span;
+        let triangle = span.weighted_triangle::<LEFT>(i);
+        let curvatures = [x1, x1 + 1].map(|x| span.carried_behind[x][i].value());
+        let starts_later = min(triangle.t1, triangle.t2) >= until;
+        starts_later
+            | from_curved(triangle, curvatures, until)
+            | from_curved(triangle.mirrored(), curvatures, until)
+    }
+
+    /// Computes fronts at a point where several fronts may meet.
+    #[inline(never)]
+    fn compute_again(
+        &self,
+        i: usize,
+        which: u8,
+        first: &mut FirstRays<R>,
+        second: &mut FirstRays<R>,
+    ) {
+        let (of_line, span, behind) = (self.of_line, &self.span, &self.surface_behind);
+        if which & 1 != 0 {
+            first.set(i, of_line.front::<R, true>(span, behind, i, self.has_splits));
+        }
+        if which & 2 != 0 {
+            second.set(i, of_line.front::<R, false>(span, behind, i, self.has_splits));
+        }
+    }
+
+    /// Computes the fronts of [`of_one_front`] through one of the two triangles of each point.
+    #[inline(always)]
+    fn through<const LEFT: bool>(&self, points: usize, found: &mut FirstRays<R>) {
+        let (span, of_line) = (&self.span, self.of_line);
+        let x1 = if LEFT { 0 } else { 1 };
+        let own = span.surface_data;
+        let base_1 = angles(self.surface_behind[x1], of_line.along, points);
+        let base_2 = angles(self.surface_behind[x1 + 1], of_line.along.opposite(), points);
+        let edge_1 = angles(own, of_line.behind[x1], points);
+        let edge_2 = angles(own, of_line.behind[x1 + 1], points);
+        let mut gaussian = [[R::zero(); TILE]; 3];
+        let mut curvature = [[R::zero(); TILE]; 2];
+        let mut course = [[R::Bits::default(); TILE]; 2];
+        for i in 0..points {
+            gaussian[0][i] = own[i].gaussian();
+            for end in 0..2 {
+                let carried = span.carried_behind[x1 + end][i];
+                gaussian[1 + end][i] = self.surface_behind[x1 + end][i].gaussian();
+                curvature[end][i] = carried.value();
+                course[end][i] = carried.course().0;
+            }
+        }
+        for i in 0..points {
+            let triangle = span.weighted_triangle::<LEFT>(i);
+            let triangle = if self.has_splits { triangle.without_obtuse_face() } else { triangle };
+            let end = |end: usize, base: R::Bits| RayEnd {
+                curvature: curvature[end][i],
+                course: Course(course[end][i]),
+                gaussian: gaussian[1 + end][i],
+                base,
+                side: R::Bits::default(),
+            };
+            let ends = [end(0, base_1[i]), end(1, base_2[i])];
+            let apex = RayApex { gaussian: gaussian[0][i], edges: [edge_1[i], edge_2[i]] };
+            let of_one = of_one_front(triangle, &ends, &apex);
+            found.set(i, of_one.front);
+            found.doubtful[i] = if of_one.is_one { R::zero() } else { R::one() };
+        }
+    }
 }
 
 impl RayLine {

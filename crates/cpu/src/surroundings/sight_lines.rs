@@ -117,7 +117,20 @@ impl SurfaceData {
         let from = (origin.is_point() && distance > 0.0).then_some(a);
         let time = origin.start + distance;
         let origin = Some(*origin);
-        (foot, Seed { row, col, time, curvature, from, origin, exact: false, heading: geosweep_surface::Heading::Everywhere, source: 0 })
+        (
+            foot,
+            Seed {
+                row,
+                col,
+                time,
+                curvature,
+                from,
+                origin,
+                exact: false,
+                heading: geosweep_surface::Heading::Everywhere,
+                source: 0,
+            },
+        )
     }
 }
 

@@ -50,10 +50,17 @@ fn name(groups: &Groups, point: usize) -> u32 {
 
 fn is_middle<R: Real>(edges: &EdgeLengths<R>, groups: &Groups, point: u32) -> bool {
     let beside = Direction::ALL.map(|to| name(groups, edges.chart().beside(point as usize, to)));
-    (0..8).any(|to| groups.number(beside[to] as usize).is_some() && beside[to + 1..].contains(&beside[to]))
+    (0..8).any(|to| {
+        groups.number(beside[to] as usize).is_some() && beside[to + 1..].contains(&beside[to])
+    })
 }
 
-fn join_group<R: Real>(edges: &EdgeLengths<R>, groups: &Groups, group: &[u32], fans: &mut [Fan<R>]) {
+fn join_group<R: Real>(
+    edges: &EdgeLengths<R>,
+    groups: &Groups,
+    group: &[u32],
+    fans: &mut [Fan<R>],
+) {
     let chart = edges.chart();
     let own = name(groups, group[0] as usize);
     let mut wedges: Vec<Wedge<R>> = Vec::new();
@@ -64,8 +71,13 @@ fn join_group<R: Real>(edges: &EdgeLengths<R>, groups: &Groups, group: &[u32], f
             let ends = ends.map(|to| name(groups, chart.beside(point, Direction::ALL[to])));
             let [l1, l2, base] = edges.wedge(point, k);
             let is_there = max(max(l1, l2), base) < R::FAR;
-            let is_known = |known: &Wedge<R>| known.ends == ends || known.ends == [ends[1], ends[0]];
-            if is_there && ends[0] != ends[1] && !ends.contains(&own) && !wedges.iter().any(is_known) {
+            let is_known =
+                |known: &Wedge<R>| known.ends == ends || known.ends == [ends[1], ends[0]];
+            if is_there
+                && ends[0] != ends[1]
+                && !ends.contains(&own)
+                && !wedges.iter().any(is_known)
+            {
                 wedges.push(Wedge { ends, angle: wedge(l1, l2, base) });
             }
         }
@@ -90,7 +102,10 @@ fn beside<R: Real>(known: [Option<R>; 8], to: usize) -> R {
     let eighth = R::of(std::f64::consts::FRAC_PI_4);
     let edges: Vec<_> = (1..8).filter_map(|by| Some((by, known[(to + by) % 8]?))).collect();
     let Some(&(by, angle)) = edges.first() else { return R::zero() };
-    let rises = edges.windows(2).filter(|pair| pair[1].0 == pair[0].0 + 1).any(|pair| pair[1].1 > pair[0].1);
+    let rises = edges
+        .windows(2)
+        .filter(|pair| pair[1].0 == pair[0].0 + 1)
+        .any(|pair| pair[1].1 > pair[0].1);
     let back = eighth * R::of(by as f64);
     if rises { angle - back } else { angle + back }
 }
@@ -147,7 +162,9 @@ mod tests {
     /// The angles between the edges of all copies together make a full turn, so each lies in one triangle only.
     #[test]
     fn copies_share_one_fan() {
-        for (closed, size) in [(Closed::Torus, 24), (Closed::MoebiusStrip, 24), (Closed::OctahedralSphere, 25)] {
+        for (closed, size) in
+            [(Closed::Torus, 24), (Closed::MoebiusStrip, 24), (Closed::OctahedralSphere, 25)]
+        {
             let surface = closed.surface(size, size).unwrap();
             let grid = surface.solver_grid();
             let edges = EdgeLengths::<f64>::new(grid.surface()).unwrap();
@@ -167,7 +184,11 @@ mod tests {
                     }
                 }
                 let place = chart.bordered_position(group[0] as usize);
-                assert!((turn - std::f64::consts::TAU).abs() < 1e-6, "{} {place:?}: {turn}", closed.name());
+                assert!(
+                    (turn - std::f64::consts::TAU).abs() < 1e-6,
+                    "{} {place:?}: {turn}",
+                    closed.name()
+                );
             }
         }
     }

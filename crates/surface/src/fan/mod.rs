@@ -80,7 +80,10 @@ impl<R: Real> EdgeLengths<R> {
         let sign = if wedge < R::zero() { -R::one() } else { R::one() };
         // The scaling of the fan is shared by both sides of the step.
         let spread = (wedge.abs() - whole) * R::of(0.5);
-        R::angle_ahead(fan.angle(k), sign * (along + spread * (b / max(a + b, R::min_positive_value()) * R::of(2.0))))
+        R::angle_ahead(
+            fan.angle(k),
+            sign * (along + spread * (b / max(a + b, R::min_positive_value()) * R::of(2.0))),
+        )
     }
 
     /// Returns the lengths of two successive edges of a point and of the base between their ends.
@@ -96,7 +99,10 @@ impl<R: Real> EdgeLengths<R> {
 fn fans<R: Real>(edges: &EdgeLengths<R>) -> Vec<Fan<R>> {
     let chart = edges.chart();
     let gaussian = edges.gaussian_curvature();
-    let mut all: Vec<_> = gaussian.par_iter().map(|&gaussian| Fan([gaussian, R::zero(), R::zero(), R::zero(), R::zero()])).collect();
+    let mut all: Vec<_> = gaussian
+        .par_iter()
+        .map(|&gaussian| Fan([gaussian, R::zero(), R::zero(), R::zero(), R::zero()]))
+        .collect();
     chart.rows_mut(&mut all).enumerate().for_each(|(row, line)| {
         Instructions::best().run(OfRow { edges, row, line });
     });
@@ -186,7 +192,8 @@ mod tests {
 
     #[test]
     fn fans_on_a_plane_are_those_of_the_chart() {
-        let surface = crate::Surface::from_heights(7, 9, vec![0.0; 63], crate::Spacing { dx: 3.0, dy: 1.0 });
+        let surface =
+            crate::Surface::from_heights(7, 9, vec![0.0; 63], crate::Spacing { dx: 3.0, dy: 1.0 });
         let edges = EdgeLengths::<f64>::new(&surface.unwrap()).unwrap();
         let (fans, chart) = (edges.shared_fans(), edges.chart());
         for (row, col) in chart.places() {

@@ -60,6 +60,14 @@ impl<R: Real> Course<R> {
         source as u32
     }
 
+    /// Returns whether both courses have the same source, and neither leaves to both sides.
+    #[inline(always)]
+    pub fn is_plain_as(self, other: Self) -> bool {
+        let lower = (Self::one() << Self::HALF) - Self::one();
+        ((self.0 ^ other.0) & lower == R::Bits::default())
+            & (self.0 & Self::mark() == R::Bits::default())
+    }
+
     /// Returns a course with another angle.
     #[inline(always)]
     pub fn turned_to(self, angle: R::Bits) -> Self {
@@ -70,7 +78,8 @@ impl<R: Real> Course<R> {
     #[inline(always)]
     pub fn is_same_as(self, other: Self) -> bool {
         let steps = R::angle_between(self.0, other.0).abs();
-        (self.source() == other.source()) & (steps <= R::angle_between(R::Bits::default(), Self::one() << (Self::HALF + 1)))
+        (self.source() == other.source())
+            & (steps <= R::angle_between(R::Bits::default(), Self::one() << (Self::HALF + 1)))
     }
 }
 

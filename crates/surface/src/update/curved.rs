@@ -124,6 +124,16 @@ pub(super) struct Traced<R> {
     pub inside: bool,
     /// Direction of the ray at x0, not normalized.
     pub ray: [R; 2],
+    /// The curvature of the front inside the triangle, in units of the base, the sine of the angle between the base and
+    /// the ray at the later end, and the delay of the earlier end against the later one.
+    pub kappa: R,
+    pub sine: R,
+    pub delay: R,
+    /// Whether x2 is the later end.
+    pub swap: bool,
+    /// The foot of x0 on the base, from x1 on, its height, and the sides x0 x1 and x0 x2, in units of the base.
+    pub apex: [R; 2],
+    pub sides: [R; 2],
 }
 
 /// Returns the front of [`curved_at`] with its ray.
@@ -227,7 +237,18 @@ pub(super) fn traced<R: Real, const BORDER: bool>(
     let curvature = max(bent(dividend * per, half * (g0 + gaussian), ray), least);
     let front = Front { time: if inside { time } else { edge_time }, curvature, whole };
     let along = kappa * p - cos_a;
-    Traced { front, inside, ray: [if swap { -along } else { along }, width] }
+    let (side, other) = (shape.side, shape.other);
+    Traced {
+        front,
+        inside,
+        ray: [if swap { -along } else { along }, width],
+        kappa,
+        sine: sin_a,
+        delay: d,
+        swap,
+        apex: [if swap { one - p } else { p }, h],
+        sides: [if swap { other } else { side }, if swap { side } else { other }],
+    }
 }
 
 /// Returns the curvature at the end of a ray on a surface of some Gaussian curvature, from the curvature on a

@@ -41,7 +41,7 @@ pub use curved::{Curvatures, Front, curved};
 pub use inside::InsideSources;
 pub use planar::planar;
 #[doc(hidden)]
-pub use rays::{RayApex, RayEnd, RayFront, rays};
+pub use rays::{FrontOfOne, RayApex, RayEnd, RayFront, of_one_front, rays};
 #[doc(hidden)]
 pub use sight::{Sighted, Steps, curved_from_origins, line_to};
 #[doc(hidden)]

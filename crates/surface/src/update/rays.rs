@@ -9,7 +9,7 @@
 use super::course::Course;
 use super::curved::{Curvatures, Front, bent, traced};
 use super::{Shape, Triangle};
-use crate::angle::{angle_of, sin_cos};
+use crate::angle::{angle_of, cosine, sin_cos};
 use crate::{LACKING, Real, Seed, Tagged, max, min};
 
 /// An arriving front with its course.
@@ -29,7 +29,10 @@ impl<R: Real> RayFront<R> {
         } else {
             b.front.time < a.front.time
         };
-        Self { front: Front::first(a.front, b.front), course: if second { b.course } else { a.course } }
+        Self {
+            front: Front::first(a.front, b.front),
+            course: if second { b.course } else { a.course },
+        }
     }
 }
 
@@ -91,7 +94,8 @@ impl<R: Real> Ray<R> {
         let from_base = R::angle_between(end.base, end.course.0);
         let from_base = if wedge < R::zero() { -from_base } else { from_base };
         // The fan scales the angles of its triangles. Half of the difference lies on either side of the ray.
-        let spread = (angle_of([if mirrored { R::one() - p } else { p }, h]) - wedge.abs()) * R::of(0.5);
+        let spread =
+            (angle_of([if mirrored { R::one() - p } else { p }, h]) - wedge.abs()) * R::of(0.5);
         let [sine, cosine] = sin_cos(from_base + spread);
         let (x, y) = (if mirrored { -cosine } else { cosine }, sine);
         let turns_round = end.course.is_to_both_sides() & (y < R::zero());
@@ -132,7 +136,11 @@ impl<R: Real> Alone<R> {
         let rise = ray.rise([x, h]);
         let n = R::of(2.0) * (ray.to[0] * x + ray.to[1] * h) + ray.kappa * (side * side);
         let root = if ray.is_source { side } else { max(one + ray.kappa * n, zero).sqrt() };
-        let ahead = if ray.is_source { [x, h] } else { [ray.to[0] + ray.kappa * x, ray.to[1] + ray.kappa * h] };
+        let ahead = if ray.is_source {
+            [x, h]
+        } else {
+            [ray.to[0] + ray.kappa * x, ray.to[1] + ray.kappa * h]
+        };
         let norm = max((ahead[0] * ahead[0] + ahead[1] * ahead[1]).sqrt(), R::min_positive_value());
         let to = [ahead[0] / norm, ahead[1] / norm];
         let up = max(to[1], R::of(1e-7));
@@ -140,7 +148,13 @@ impl<R: Real> Alone<R> {
         let crossing = p - h * to[0] / up;
         let past = R::of(PAST_END);
         // A front that spreads has no ray behind its centre.
-        let from_centre = if ray.is_source { side } else if ray.kappa > zero { root / ray.kappa } else { R::FAR };
+        let from_centre = if ray.is_source {
+            side
+        } else if ray.kappa > zero {
+            root / ray.kappa
+        } else {
+            R::FAR
+        };
         let comes = (to[1] > R::of(1e-7))
             & (crossing >= -past)
             & (crossing <= one + past)
@@ -167,7 +181,11 @@ fn bent_within<R: Real>(curvature: R, gaussian: R, length: R) -> R {
 /// Returns the front at x0 from fronts at x1 and x2 that carry their rays.
 #[doc(hidden)]
 #[inline]
-pub fn rays<R: Real>(triangle: Triangle<R>, ends: &[RayEnd<R>; 2], apex: &RayApex<R>) -> RayFront<R> {
+pub fn rays<R: Real>(
+    triangle: Triangle<R>,
+    ends: &[RayEnd<R>; 2],
+    apex: &RayApex<R>,
+) -> RayFront<R> {
     let along = along_edges(triangle, ends, apex);
     let Some(face) = through_face(triangle, ends, apex) else { return along };
     let rounding = R::one() + R::of(4.0) * R::epsilon();
@@ -178,9 +196,79 @@ pub fn rays<R: Real>(triangle: Triangle<R>, ends: &[RayEnd<R>; 2], apex: &RayApe
     RayFront { front: Front { time, ..face.front }, ..face }
 }
 
+/// A front through the face of a triangle whose base one front has reached.
+#[derive(Clone, Copy, Debug)]
+#[doc(hidden)]
+pub struct FrontOfOne<R: Real> {
+    /// The front. If it is not `inside`, its time is that along an edge, and the rest is not defined.
+    pub front: RayFront<R>,
+    pub inside: bool,
+    /// Whether one front has reached both ends of the base, so that [`rays`] has the same result. Otherwise
+    /// this front is not valid.
+    pub is_one: bool,
+}
+
+/// Returns the front at x0 if one front has reached both ends of the base. This is the common case, without branches.
+/// The test compares the turn of the ray along the base, and its direction at x1, with those of a circle.
+#[inline(always)]
+#[doc(hidden)]
+pub fn of_one_front<R: Real>(
+    triangle: Triangle<R>,
+    ends: &[RayEnd<R>; 2],
+    apex: &RayApex<R>,
+) -> FrontOfOne<R> {
+    let (zero, one, half) = (R::zero(), R::one(), R::of(0.5));
+    let half_turn = R::of(std::f64::consts::PI);
+    let fronts = [ends[0].curvature, ends[1].curvature];
+    let surface = [apex.gaussian, ends[0].gaussian, ends[1].gaussian];
+    let bends = Curvatures { fronts, surface, alone: false, causal: false };
+    let traced = traced::<R, false>(triangle, bends);
+    let wedge = R::angle_between(apex.edges[0], apex.edges[1]);
+    let sign = if wedge < zero { -one } else { one };
+    let first = R::angle_between(ends[0].base, ends[0].course.0);
+    let second = R::angle_between(ends[1].base, ends[1].course.0);
+    let second = if second > zero { second - half_turn } else { second + half_turn };
+    let turn = sign * (first - second);
+    let d = if traced.swap { -traced.delay } else { traced.delay };
+    let growth = one + traced.kappa * traced.delay;
+    let sine_of_turn = turn - turn * turn * turn * R::of(1.0 / 6.0);
+    let kappa = fronts[0] * triangle.c;
+    let cosine = cosine(first);
+    let late = cosine - (d - kappa * half * (one - d * d));
+    let at_source = R::of(Seed::AT_SOURCE);
+    let exists =
+        max(max(triangle.t1, triangle.t2), max(max(triangle.l1, triangle.l2), triangle.c)) < R::FAR;
+    let turns =
+        (sine_of_turn * growth - traced.kappa * traced.sine).abs() <= R::of(CREASE[0]) * growth;
+    let agrees = late.abs() <= R::of(JUMP[0]) * (one + kappa * d);
+    // A front that leaves the base on the other side has no ray through this face.
+    let leaves = (sign * first < zero)
+        & (sign * second < zero)
+        & !ends[0].course.is_to_both_sides()
+        & !ends[1].course.is_to_both_sides();
+    let plain =
+        (max(fronts[0], fronts[1]) < at_source) & ends[0].course.is_plain_as(ends[1].course);
+    let angle = angle_at_apex(apex, traced.apex, traced.sides, traced.ray);
+    let inside = traced.inside & !leaves;
+    let along_edge = min(triangle.t1 + triangle.l1, triangle.t2 + triangle.l2);
+    let time = if inside { traced.front.time } else { along_edge };
+    FrontOfOne {
+        front: RayFront {
+            front: Front { time, whole: inside, ..traced.front },
+            course: ends[0].course.turned_to(angle),
+        },
+        inside,
+        is_one: !exists | leaves | (turns & agrees & plain),
+    }
+}
+
 /// Returns the first front along an edge.
 #[inline]
-fn along_edges<R: Real>(triangle: Triangle<R>, ends: &[RayEnd<R>; 2], apex: &RayApex<R>) -> RayFront<R> {
+fn along_edges<R: Real>(
+    triangle: Triangle<R>,
+    ends: &[RayEnd<R>; 2],
+    apex: &RayApex<R>,
+) -> RayFront<R> {
     let Triangle { t1, t2, l1, l2, .. } = triangle;
     let second = t2 + l2 < t1 + l1;
     let (end, edge) = (&ends[usize::from(second)], apex.edges[usize::from(second)]);
@@ -232,12 +320,18 @@ fn through_face<R: Real>(
     // The source lies between both ends, and its front leaves it to both sides.
     let is_divided = first.to[0] * second.to[0] + first.to[1] * second.to[1] < zero;
     // Both fronts arrive earlier than the other one: the fan between both rays is not resolved.
-    let is_fan = (m1 < -in_time) & (m2 < -in_time) & (weight > zero) & !first.is_source & !second.is_source & !is_divided;
+    let is_fan = (m1 < -in_time)
+        & (m2 < -in_time)
+        & (weight > zero)
+        & !first.is_source
+        & !second.is_source
+        & !is_divided;
     let mut curvatures = [ends[0].curvature, ends[1].curvature];
     let mut alone = None;
     if is_fan {
         let up = first.to[1] + second.to[1];
-        let spread = max((second.to[0] - first.to[0]) / max(R::of(0.25) * up * up, R::of(0.05)), zero);
+        let spread =
+            max((second.to[0] - first.to[0]) / max(R::of(0.25) * up * up, R::of(0.05)), zero);
         curvatures = curvatures.map(|k| k + weight * (spread * shape.per_base - k));
         weight = zero;
     } else if weight > zero {
@@ -262,8 +356,12 @@ fn through_face<R: Real>(
             let jump = jump_at([&first, &second], [m1, m2], is_divided);
             match (of_first.comes, of_second.comes) {
                 (true, true) => Some(Joint::across(&ends_alone, jump, d)),
-                (true, false) if of_first.crossing <= jump + R::of(PAST_END) => Some(Joint::of(&ends_alone, 0, d)),
-                (false, true) if of_second.crossing >= jump - R::of(PAST_END) => Some(Joint::of(&ends_alone, 1, d)),
+                (true, false) if of_first.crossing <= jump + R::of(PAST_END) => {
+                    Some(Joint::of(&ends_alone, 0, d))
+                }
+                (false, true) if of_second.crossing >= jump - R::of(PAST_END) => {
+                    Some(Joint::of(&ends_alone, 1, d))
+                }
                 _ => None,
             }
         };
@@ -276,7 +374,8 @@ fn through_face<R: Real>(
         None
     };
     let of_alone = alone.map(|joint| {
-        let gaussian = half * (apex.gaussian + surface[1] + joint.second * (surface[2] - surface[1]));
+        let gaussian =
+            half * (apex.gaussian + surface[1] + joint.second * (surface[2] - surface[1]));
         let not_before = max(t1 + c * joint.rise, min(t1, t2));
         let curvature = bent_within(joint.kappa * shape.per_base, gaussian, c * joint.back);
         (not_before, curvature, joint.to, if joint.second < half { 0 } else { 1 })
@@ -298,7 +397,8 @@ fn through_face<R: Real>(
         (None, Some(found)) if weight >= half => found,
         _ => return None,
     };
-    let course = ends[end].course.turned_to(angle_at_apex(apex, [p, h], [shape.side, shape.other], to));
+    let course =
+        ends[end].course.turned_to(angle_at_apex(apex, [p, h], [shape.side, shape.other], to));
     Some(RayFront { front: Front { time, curvature, whole: true }, course })
 }
 
@@ -391,7 +491,12 @@ impl<R: Real> Joint<R> {
 /// Returns the angle in the fan of x0 of a ray in the plane of the triangle. It is measured from the middle between the
 /// edges, so that both sides share the scaling of the fan.
 #[inline(always)]
-fn angle_at_apex<R: Real>(apex: &RayApex<R>, [p, h]: [R; 2], [side, other]: [R; 2], to: [R; 2]) -> R::Bits {
+fn angle_at_apex<R: Real>(
+    apex: &RayApex<R>,
+    [p, h]: [R; 2],
+    [side, other]: [R; 2],
+    to: [R; 2],
+) -> R::Bits {
     let wedge = R::angle_between(apex.edges[0], apex.edges[1]);
     let middle = [(R::one() - p) * side - p * other, -h * (side + other)];
     let across = middle[1] * to[0] - middle[0] * to[1];
