@@ -10,7 +10,8 @@ use super::course::Course;
 use super::curved::{Curvatures, Front, bent, traced};
 use super::{Shape, Triangle};
 use crate::angle::{angle_of, cosine, sin_cos};
-use crate::{LACKING, Real, Seed, Tagged, max, min};
+use crate::constants::FAN;
+use crate::{DIFFRACTS, LACKING, Real, Seed, Tagged, max, min};
 
 /// An arriving front with its course.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -278,16 +279,39 @@ fn along_edges<R: Real>(
         let front = Front { time: R::FAR, curvature: R::zero(), whole: false };
         return RayFront { front, course: end.course };
     }
-    let [_, cosine] = sin_cos(R::angle_between(end.side, end.course.0));
+    let [sine, cosine] = sin_cos(R::angle_between(end.side, end.course.0));
     let cosine = if end.course.is_to_both_sides() { cosine.abs() } else { cosine };
     let is_at_border = end.gaussian.tag_has(LACKING, LACKING);
     let turns = cosine < R::of(if is_at_border { TURNED_AT_BORDER } else { TURNED });
-    let starts = turns | (end.curvature >= at_source);
     let goes_on = end.curvature / max(R::one() + end.curvature * length, R::of(0.1));
-    let curvature = if starts { length.recip() } else { goes_on };
+    let is_source = end.curvature >= at_source;
+    let narrow = narrow_fan(triangle, length, sine.abs()).filter(|_| {
+        let follows_border = end.gaussian.tag_has(LACKING | DIFFRACTS, LACKING);
+        follows_border & apex.gaussian.tag_has(LACKING, LACKING) & (cosine > R::zero())
+    });
+    let curvature = match narrow {
+        _ if is_source | (turns & narrow.is_none()) => length.recip(),
+        Some(fan) if turns & (fan > goes_on.abs()) => fan,
+        _ => goes_on,
+    };
     let curvature = bent_within(curvature, R::of(0.5) * (apex.gaussian + end.gaussian), length);
     let angle = R::angle_ahead(edge, R::of(std::f64::consts::PI));
     RayFront { front: Front { time, curvature, whole: false }, course: end.course.turned_to(angle) }
+}
+
+/// Returns the curvature, at the next point of a border, of the fan of rays that leave a border which turns away from the
+/// front by an angle, given the sine of the angle: the mean over the width of a cell. Returns `None` if the fan is not
+/// narrower than a cell.
+#[inline]
+fn narrow_fan<R: Real>(triangle: Triangle<R>, length: R, sine: R) -> Option<R> {
+    let Triangle { l1, l2, c, .. } = triangle;
+    let shape = Shape::new(l1, l2, c);
+    if !shape.whole {
+        return None;
+    }
+    let height = shape.height_squared.sqrt();
+    let fan = R::of(FAN) * sine * (length * shape.per_base) * shape.per_base;
+    (fan * length < height).then(|| fan / height)
 }
 
 /// Returns the front through the face of a triangle, if there is one.
