@@ -41,6 +41,8 @@ fn costs(wavefront: Wavefront) -> Costs {
     match wavefront {
         Wavefront::Planar => Costs { cpu: 12.0, gpu: 10.0 },
         Wavefront::Circular => Costs { cpu: 14.0, gpu: 10.0 },
+        // A GPU has no fronts that carry their ray.
+        Wavefront::Rays => Costs { cpu: 80.0, gpu: f64::INFINITY },
         Wavefront::Curved | Wavefront::Anchored => Costs { cpu: 26.0, gpu: 11.0 },
     }
 }
@@ -59,6 +61,9 @@ impl Choice {
     /// for this choice, since the loader and its drivers alone take longer than a small map.
     pub(crate) fn of(chart: Chart, wavefront: Wavefront, share: f64, is_kept: bool) -> Self {
         let points = chart.points();
+        if wavefront == Wavefront::Rays {
+            return Self::Cpu(format!("only the CPU computes {wavefront} fronts"));
+        }
         let Costs { cpu, gpu } = costs(wavefront).of_share(share);
         let start = if is_kept { OPENING } else { OPENING + COMPILING };
         let mut of = format!("with {wavefront} fronts");
@@ -99,14 +104,15 @@ mod tests {
     /// takes longer.
     #[test]
     fn a_gpu_is_used_only_where_the_whole_call_is_faster() {
-        use Wavefront::{Anchored, Circular, Curved, Planar};
-        for wavefront in [Planar, Circular, Curved, Anchored] {
+        use Wavefront::{Anchored, Circular, Curved, Planar, Rays};
+        for wavefront in Wavefront::ALL {
             let first =
                 |is_kept| (1..=64).map(|k| 256 * k).find(|&side| on_gpu(side, wavefront, is_kept));
             let expected = match wavefront {
                 Planar => (Some(11_264), None),
                 Circular => (Some(7_936), None),
                 Curved | Anchored => (Some(4_096), Some(9_216)),
+                Rays => (None, None),
             };
             assert_eq!((first(true), first(false)), expected, "{wavefront}");
         }

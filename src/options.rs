@@ -25,6 +25,8 @@ pub struct Options {
     ///   exact;
     /// - [`Wavefront::Planar`] on surfaces that turn at random, on surfaces whose slowness jumps in many
     ///   places, and for fast marching;
+    /// - [`Wavefront::Rays`] on the CPU where fronts may meet: from several sources or curves, and on closed surfaces.
+    ///   Exceptions are an uneven slowness, and open surfaces whose cells are all alike, where curved fronts are exact;
     /// - [`Wavefront::Curved`] elsewhere, also over a slowness. It is the most accurate one on smooth
     ///   surfaces and from curves, and as good as the circular one on rough terrain.
     ///
@@ -210,6 +212,11 @@ impl Options {
     ) -> Result<Wavefront, Error> {
         let engine = match self.engine {
             Engine::FastMarching => EngineKind::FastMarching,
+            #[cfg(feature = "vulkan")]
+            Engine::Vulkan(_) => EngineKind::MapOnDevice,
+            // A schedule is for a device.
+            #[cfg(feature = "vulkan")]
+            Engine::Auto if self.schedule.is_some() => EngineKind::MapOnDevice,
             _ => EngineKind::Map,
         };
         let setting = Setting::new(surface, sources, engine);

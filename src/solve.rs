@@ -128,15 +128,18 @@ fn only_single(what: &str) -> Error {
     ))
 }
 
-/// Peak number of values per grid point in memory, including edges and result. In single precision these are 40 bytes
-/// (`tests/memory/resident.rs`) and the 4 bytes of the result.
-const NUMBERS_OF_POINT: usize = 11;
+/// Returns the peak number of values per grid point in memory, including edges and result. In single precision these
+/// are 40 bytes (`tests/memory/resident.rs`) and the 4 bytes of the result. Fronts that carry their ray take another 8
+/// bytes, and the fans of points 20.
+fn numbers_of_point(wavefront: Wavefront) -> usize {
+    if wavefront == Wavefront::Rays { 18 } else { 11 }
+}
 
 /// Returns an error if the memory for a map is not available. The engines themselves would end the process in
 /// that case.
-fn check_memory<R: Real>(surface: &Surface) -> Result<(), Error> {
+fn check_memory<R: Real>(surface: &Surface, wavefront: Wavefront) -> Result<(), Error> {
     let points = surface.chart().points();
-    let bytes = points.saturating_mul(NUMBERS_OF_POINT * size_of::<R>());
+    let bytes = points.saturating_mul(numbers_of_point(wavefront) * size_of::<R>());
     let mut room = Vec::<u8>::new();
     let there = room.try_reserve_exact(bytes);
     // Without this, compilers remove the allocation as unused.
@@ -188,7 +191,7 @@ impl<'a> Problem<'a> {
         let (radius, targets) = (options.checked_radius()?, options.checked_targets(surface)?);
         let monitor = options.monitor();
         monitor.check()?;
-        check_memory::<R>(surface)?;
+        check_memory::<R>(surface, wavefront)?;
         let start = sources.start();
         for seed in &mut seeds {
             seed.time -= start;

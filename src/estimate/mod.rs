@@ -162,7 +162,9 @@ impl Weights {
         match wavefront {
             Wavefront::Planar => Self { two: 1.0, three: Some([3.0, -1.0]) },
             Wavefront::Circular => Self { two: 1.0, three: Some([5.0 / 3.0, -1.0 / 3.0]) },
-            Wavefront::Curved | Wavefront::Anchored => Self { two: 1.0 / 3.0, three: None },
+            Wavefront::Curved | Wavefront::Anchored | Wavefront::Rays => {
+                Self { two: 1.0 / 3.0, three: None }
+            }
         }
     }
 

@@ -20,6 +20,10 @@ pub enum GeosweepWavefront {
     /// holes. This requires a surface that is known to be such a plane. Surfaces on a device are not known to
     /// be planes, so they get curved fronts.
     Anchored = 3,
+    /// Front that carries its curvature, its direction and its source, for maps on the CPU
+    /// (`geosweep_cpu_map`): where fronts of several sources meet, or a front meets itself, each goes on alone. Solvers
+    /// on a device use curved fronts in its place.
+    Rays = 4,
 }
 
 /// Order of updates. All schedules lead to the same map.
@@ -100,7 +104,7 @@ macro_rules! choices {
 pub(super) use choices;
 
 choices! {
-    Wavefront = GeosweepWavefront: Planar, Circular, Curved, Anchored;
+    Wavefront = GeosweepWavefront: Planar, Circular, Curved, Anchored, Rays;
     EdgeRule = GeosweepEdgeRule: Arc, Chord;
     GeosweepGluing = GeosweepGluing:
         None, Columns, Rows, Both, FlippedColumns, FlippedRows, Globe, Octahedral, Runs;

@@ -117,7 +117,8 @@ impl<'a> FarthestPoints<'a> {
         let stop = Stop::settled(surface, DEFAULT_TOLERANCE);
         // The wavefront must suit several sources, since more samples follow.
         let setting = Setting::new(surface, SourceKind::several(first), EngineKind::Map);
-        let wavefront = Wavefront::chosen(setting);
+        // Samples are many, and fronts that carry their ray take several times as long.
+        let wavefront = Wavefront::chosen(setting).without_rays();
         let seeds = seeds_for(wavefront, surface, seeds);
         let mut solver = RotatedScan::new(edges, wavefront);
         solver.solve(&seeds, stop);

@@ -385,5 +385,5 @@ fn have_surroundings(schedule: Schedule, wavefront: Wavefront) -> bool {
 
 /// Returns the wavefront to use on a surface that may or may not be a floor plan.
 pub(super) fn over_any(wavefront: Wavefront) -> Wavefront {
-    wavefront.or_curved(Setting::of_engine(false))
+    wavefront.or_curved(Setting::of_device(false))
 }

@@ -82,7 +82,7 @@ impl SurfaceOnDevice {
 
     /// Returns the wavefront itself, or the curved one where the surface does not allow it.
     pub(in crate::vulkan) fn suited(&self, wavefront: Wavefront, has_anchors: bool) -> Wavefront {
-        match wavefront.or_curved(Setting::of_engine(has_anchors)) {
+        match wavefront.or_curved(Setting::of_device(has_anchors)) {
             // Circles have no centre where rays bend.
             Wavefront::Circular if self.slowed => Wavefront::Curved,
             wavefront => wavefront,
@@ -121,7 +121,7 @@ impl SurfaceOnDevice {
         }
         self.is_anchored = false;
         // A wavefront that is still anchored here has no room for the numbers of its sources.
-        let wavefront = wavefront.or_curved(Setting::of_engine(false));
+        let wavefront = wavefront.or_curved(Setting::of_device(false));
         let has_origins = seeds.iter().any(|seed| seed.origin.is_some());
         // Lines of the chart end at seams.
         let has_lines = !self.slowed && self.images.copies.is_none();

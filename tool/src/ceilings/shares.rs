@@ -44,6 +44,7 @@ impl Work {
         let bytes = match wavefront {
             Wavefront::Planar | Wavefront::Circular => 24,
             Wavefront::Curved => 36,
+            Wavefront::Rays => 60,
             Wavefront::Anchored => 20,
         };
         Self { bytes: Some(bytes * visits), triangles: Some(2 * updates), ..Self::default() }

@@ -33,7 +33,7 @@ pub fn regions(
     wavefront: Wavefront,
     stop: Stop,
 ) -> Vec<u32> {
-    let wavefront = wavefront.or_curved(Setting::of_engine(false));
+    let wavefront = wavefront.or_curved(Setting::of_device(false));
     for_triangle_kind!(edges, wavefront, kind => solve(edges, kind, seeds, wavefront, stop))
 }
 

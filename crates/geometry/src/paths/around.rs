@@ -150,7 +150,17 @@ impl Tracer<'_> {
                 .map(|(point, away)| {
                     let (row, col) = local(point);
                     let curvature = (1.0 / away).min(Seed::AT_SOURCE);
-                    Seed { row, col, time: away, curvature, from: None, origin: None, exact: false, heading: geosweep_surface::Heading::Everywhere, source: 0 }
+                    Seed {
+                        row,
+                        col,
+                        time: away,
+                        curvature,
+                        from: None,
+                        origin: None,
+                        exact: false,
+                        heading: geosweep_surface::Heading::Everywhere,
+                        source: 0,
+                    }
                 })
                 .collect(),
         };

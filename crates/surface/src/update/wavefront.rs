@@ -28,15 +28,17 @@ pub enum Wavefront {
     /// On other surfaces and from curves it is refused. Engines that are given the edges of another surface
     /// solve as [`Self::Curved`].
     Anchored = constants::ANCHORED as i32,
-    /// A front that carries its curvature, the direction of its ray, and the number of its source. Where fronts of
-    /// several sources meet, or a front meets itself, each goes on alone.
+    /// A front that carries its curvature, the direction of its ray, and the number of its source, for maps on the
+    /// CPU. Where fronts of several sources meet, or a front meets itself, each goes on alone. Elsewhere it is as
+    /// accurate as [`Self::Curved`], and takes three to six times as long. Over an uneven slowness, maps are
+    /// solved with [`Self::Curved`] instead, and their report says so.
     Rays = 4,
 }
 
 impl Wavefront {
-    /// The wavefronts that suit any surface: all but [`Self::Anchored`].
+    /// The wavefronts that suit any surface and engine.
     pub const FOR_ANY_SURFACE: [Self; 3] = [Self::Planar, Self::Circular, Self::Curved];
-    /// All wavefronts, including [`Self::Anchored`].
+    /// All wavefronts.
     pub const ALL: [Self; 5] =
         [Self::Planar, Self::Circular, Self::Curved, Self::Anchored, Self::Rays];
 
@@ -72,6 +74,8 @@ impl Wavefront {
         let from_curves = sources == SourceKind::Curves;
         match asked {
             Some(Self::Anchored) => setting.has_anchors().map(|()| Self::Anchored),
+            Some(Self::Rays) if is_slowed_unevenly => Ok(Self::Curved),
+            Some(Self::Rays) if engine.is_device() => Err(Unsuited::RaysOnDevice),
             Some(Self::Circular) if from_curves => Err(Unsuited::CircularFromCurves),
             // Circular fronts do not tell from which source they come. Where fronts of several sources meet,
             // or where a front that a slowness bends meets itself, the result would depend on the order of
@@ -85,10 +89,9 @@ impl Wavefront {
             }
             Some(wavefront) => Ok(wavefront),
             None if engine == EngineKind::FastMarching => Ok(Self::Planar),
-            None if engine == EngineKind::Map && setting.has_anchors().is_ok() => {
-                Ok(Self::Anchored)
-            }
+            None if setting.is_map() && setting.has_anchors().is_ok() => Ok(Self::Anchored),
             None if is_rough => Ok(Self::Planar),
+            None if engine == EngineKind::Map && setting.fronts_meet => Ok(Self::Rays),
             None => Ok(Self::Curved),
         }
     }
@@ -97,6 +100,12 @@ impl Wavefront {
     #[doc(hidden)]
     pub fn chosen(setting: Setting) -> Self {
         Self::resolve(None, setting).unwrap_or(Self::Curved)
+    }
+
+    /// Returns the curved wavefront in place of [`Self::Rays`].
+    #[doc(hidden)]
+    pub fn without_rays(self) -> Self {
+        if self == Self::Rays { Self::Curved } else { self }
     }
 
     /// Returns the wavefront with which an engine solves if it accepts any request: this one, or the curved
@@ -120,7 +129,7 @@ impl fmt::Display for Wavefront {
 /// assert_eq!("circular".parse(), Ok(Wavefront::Circular));
 /// assert_eq!("point".parse(), Ok(Wavefront::Circular));
 /// let error = "round".parse::<Wavefront>().unwrap_err();
-/// let expected = "no wavefront is called `round`; there are planar, circular, curved, anchored";
+/// let expected = "no wavefront is called `round`; there are planar, circular, curved, anchored, rays";
 /// assert_eq!(error.to_string(), expected);
 /// ```
 impl FromStr for Wavefront {
@@ -143,6 +152,9 @@ pub struct Setting {
     pub is_rough: bool,
     /// Whether the surface has a slowness that is not the same everywhere.
     pub is_slowed_unevenly: bool,
+    /// Whether fronts of several sources, or a front and itself, may meet on the surface, where cells are not all alike.
+    /// Cells that are alike have no need of rays, since fronts are followed along straight lines to their origins.
+    pub fronts_meet: bool,
     pub sources: SourceKind,
     pub engine: EngineKind,
 }
@@ -188,14 +200,22 @@ impl SourceKind {
 /// The kind of engine that solves a map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EngineKind {
-    /// Single maps, on the CPU or on a device.
+    /// Single maps on the CPU.
     Map,
+    /// Single maps on a device, where fronts do not carry their ray.
+    MapOnDevice,
     /// Fast marching.
     FastMarching,
     /// The rows of a distance matrix on the CPU. They are solved map by map where fronts carry a value.
     Matrix,
     /// The rows of a distance matrix on a device, where fronts have no anchors.
     MatrixOnDevice,
+}
+
+impl EngineKind {
+    fn is_device(self) -> bool {
+        matches!(self, Self::MapOnDevice | Self::MatrixOnDevice)
+    }
 }
 
 impl Setting {
@@ -205,21 +225,34 @@ impl Setting {
         let is_floor_plan = surface.is_floor_plan();
         let is_rough = surface.resolution().is_some_and(|resolution| resolution.is_rough())
             || surface.is_slowed_in_patches();
-        Self {
-            is_floor_plan,
-            is_rough,
-            is_slowed_unevenly: surface.is_slowed_unevenly(),
-            sources,
-            engine,
-        }
+        let is_slowed_unevenly = surface.is_slowed_unevenly();
+        let meet = sources.are_several() || surface.is_glued();
+        let fronts_meet = meet && !is_slowed_unevenly && !surface.has_even_cells();
+        Self { is_floor_plan, is_rough, is_slowed_unevenly, fronts_meet, sources, engine }
     }
 
     /// Makes the setting of an engine that is given edges and seeds. Such an engine knows nothing of the
     /// surface but whether it is a floor plan.
     #[doc(hidden)]
     pub fn of_engine(is_floor_plan: bool) -> Self {
-        let (sources, engine) = (SourceKind::POINT, EngineKind::Map);
-        Self { is_floor_plan, is_rough: false, is_slowed_unevenly: false, sources, engine }
+        Self {
+            is_floor_plan,
+            is_rough: false,
+            is_slowed_unevenly: false,
+            fronts_meet: false,
+            sources: SourceKind::POINT,
+            engine: EngineKind::Map,
+        }
+    }
+
+    /// Makes the setting of [`Self::of_engine`] for an engine on a device.
+    #[doc(hidden)]
+    pub fn of_device(is_floor_plan: bool) -> Self {
+        Self { engine: EngineKind::MapOnDevice, ..Self::of_engine(is_floor_plan) }
+    }
+
+    fn is_map(self) -> bool {
+        matches!(self.engine, EngineKind::Map | EngineKind::MapOnDevice)
     }
 
     /// Returns an error for surfaces, sources and engines for which fronts have no anchors.
@@ -264,6 +297,8 @@ pub enum Unsuited {
          curved fronts"
     )]
     AnchoredMatrixOnDevice,
+    #[error("the rays wavefront runs on the CPU only; use the engine cpu, or curved fronts")]
+    RaysOnDevice,
 }
 
 #[cfg(test)]
@@ -289,6 +324,12 @@ mod tests {
         assert_eq!(resolved(None, slow), Ok(Curved));
         assert_eq!(resolved(None, Setting { sources: apart, ..slow }), Ok(Curved));
         assert_eq!(resolved(None, Setting { sources: CURVES, ..slow }), Ok(Curved));
+        let meet = Setting { fronts_meet: true, ..any };
+        assert_eq!(resolved(None, meet), Ok(Rays));
+        assert_eq!(resolved(None, Setting { is_rough: true, ..meet }), Ok(Planar));
+        for engine in [EngineKind::MapOnDevice, EngineKind::Matrix, EngineKind::MatrixOnDevice] {
+            assert_eq!(resolved(None, Setting { engine, ..meet }), Ok(Curved));
+        }
         let rough = Setting { is_rough: true, ..slow };
         assert_eq!(resolved(None, rough), Ok(Planar));
         assert_eq!(resolved(Curved, rough), Ok(Curved));
@@ -330,12 +371,18 @@ mod tests {
         let curves = Setting { sources: CURVES, ..floor };
         assert_eq!(resolved(Circular, curves), Err(Unsuited::CircularFromCurves));
         assert_eq!(resolved(Planar, curves), Ok(Planar));
+        let slow =
+            |engine| Setting { is_slowed_unevenly: true, engine, ..Setting::of_engine(false) };
+        assert_eq!(resolved(Rays, slow(EngineKind::Map)), Ok(Curved));
+        for engine in [EngineKind::MapOnDevice, EngineKind::MatrixOnDevice] {
+            let setting = Setting { engine, ..floor };
+            assert_eq!(resolved(Rays, setting), Err(Unsuited::RaysOnDevice));
+            assert_eq!(Rays.or_curved(setting), Curved);
+        }
         let several = SourceKind::Points { single: false, inside_cells: 0 };
         let with = |engine| Setting { sources: several, engine, ..floor };
         assert_eq!(resolved(Circular, with(EngineKind::Map)), Ok(Curved));
         assert_eq!(resolved(Circular, with(EngineKind::FastMarching)), Ok(Circular));
-        let slow =
-            |engine| Setting { is_slowed_unevenly: true, engine, ..Setting::of_engine(false) };
         for engine in [EngineKind::Map, EngineKind::Matrix, EngineKind::FastMarching] {
             assert_eq!(resolved(Circular, slow(engine)), Ok(Curved));
         }
