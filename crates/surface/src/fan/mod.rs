@@ -124,15 +124,30 @@ impl<R: Real> Loop for OfRow<'_, R> {
     fn run(self) {
         let Self { edges, row, line } = self;
         let [fan, bases] = edges.fans(row, 0..line.len());
-        for (col, of_point) in line.iter_mut().enumerate() {
-            let mut wedges = [R::zero(); 8];
-            for to in 0..8 {
-                wedges[to] = wedge(fan[to][col], fan[ring::next(to)][col], bases[to][col]);
+        for (number, block) in line.chunks_mut(BLOCK).enumerate() {
+            let (first, count) = (number * BLOCK, block.len().min(BLOCK));
+            let [fan, bases] = [fan, bases].map(|of| of.map(|lengths| &lengths[first..][..count]));
+            let mut angles = [[R::Bits::default(); BLOCK]; 8];
+            for col in 0..count {
+                let mut wedges = [R::zero(); 8];
+                for to in 0..8 {
+                    wedges[to] = wedge(fan[to][col], fan[ring::next(to)][col], bases[to][col]);
+                }
+                let of_point = around(wedges);
+                for to in 0..8 {
+                    angles[to][col] = of_point[to];
+                }
             }
-            *of_point = Fan::new(of_point.gaussian(), around(wedges));
+            for (col, of_point) in block.iter_mut().enumerate() {
+                *of_point = Fan::new(of_point.gaussian(), angles.map(|of_edge| of_edge[col]));
+            }
         }
     }
 }
+
+/// Number of points whose angles are computed at once. They are packed by a loop of its own, which compilers do not
+/// vectorize.
+const BLOCK: usize = 16;
 
 /// Returns cosine and sine of the angle between two edges.
 #[inline(always)]
