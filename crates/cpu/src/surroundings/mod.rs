@@ -15,6 +15,7 @@
 
 mod around;
 mod clusters;
+mod sheared;
 mod sight_lines;
 
 use std::collections::BTreeMap;
@@ -26,6 +27,7 @@ use around::Surroundings;
 use clusters::around_clusters;
 use geosweep_surface::update::{Setting, Wavefront};
 use geosweep_surface::{Direction, EdgeLengths, Origin, Real, Seed, Surface, with_diagonals};
+use sheared::around_sheared_cells;
 use sight_lines::along_sight_lines;
 
 /// Maximum number of rows and columns around a source's cell in its surroundings. With 8, maps from inside
@@ -71,7 +73,8 @@ const LONG: f64 = 1.5;
 /// ```
 pub fn seeds_for(wavefront: Wavefront, surface: &Surface, seeds: Vec<Seed>) -> Vec<Seed> {
     match wavefront.or_curved(Setting::of_engine(surface.is_floor_plan())) {
-        Wavefront::Planar | Wavefront::Rays => seeds,
+        Wavefront::Planar => seeds,
+        Wavefront::Rays => around_sheared_cells(surface, seeds),
         Wavefront::Anchored => with_diagonals(surface, seeds),
         wavefront @ (Wavefront::Circular | Wavefront::Curved) => {
             with_origins(wavefront, surface, seeds)
