@@ -39,6 +39,7 @@ mod paths;
 mod paths_around_holes;
 mod properties;
 mod radius;
+mod rays;
 mod ridges;
 mod rims;
 mod rotated_scan;
