@@ -2,7 +2,7 @@
 
 use crate::{Real, max, min};
 
-/// Returns sine and cosine of an angle from -pi to pi, to 4e-9.
+/// Returns sine and cosine of an angle from -pi to pi, to 2e-8.
 #[inline(always)]
 #[doc(hidden)]
 pub fn sin_cos<R: Real>(angle: R) -> [R; 2] {
@@ -77,7 +77,7 @@ mod tests {
         for step in -1000..=1000i32 {
             let angle = f64::from(step) * std::f64::consts::PI / 1000.0;
             let [sine, cosine] = sin_cos(angle);
-            assert!((sine - angle.sin()).abs() < 4e-9 && (cosine - angle.cos()).abs() < 4e-9);
+            assert!((sine - angle.sin()).abs() < 2e-8 && (cosine - angle.cos()).abs() < 2e-8);
             for length in [1e-3, 1.0, 1e4] {
                 let found = angle_of([length * angle.cos(), length * angle.sin()]);
                 assert!((found - angle).abs() < 2e-8 || step.abs() == 1000, "{angle} {found}");
