@@ -21,7 +21,8 @@ pub enum Wavefront {
     /// in one order, keeps them for several sources.
     Circular = constants::CIRCULAR as i32,
     /// A front that carries its curvature beside the arrival time. It is second-order accurate on curved
-    /// surfaces, also around holes and for extended sources.
+    /// surfaces, also around holes and for extended sources. Maps on the CPU are solved with [`Self::Rays`] instead
+    /// where fronts may meet, and their report says so.
     Curved = constants::CURVED as i32,
     /// A front that carries its anchor, the corner or source from which it comes on a straight line, in place
     /// of its curvature. From point sources it is exact over floor plans ([`crate::Surface::is_floor_plan`]).
@@ -30,8 +31,9 @@ pub enum Wavefront {
     Anchored = constants::ANCHORED as i32,
     /// A front that carries its curvature, the direction of its ray, and the number of its source, for maps on the
     /// CPU. Where fronts of several sources meet, or a front meets itself, each goes on alone. Elsewhere it is as
-    /// accurate as [`Self::Curved`], and takes three to six times as long. Over an uneven slowness, maps are
-    /// solved with [`Self::Curved`] instead, and their report says so.
+    /// accurate as [`Self::Curved`], and takes three to six times as long. Maps of several sources, from curves and
+    /// on closed surfaces have these fronts, unless all cells are alike. Over an uneven slowness, maps are solved with
+    /// [`Self::Curved`] instead, and their report says so.
     Rays = 4,
 }
 
@@ -85,13 +87,15 @@ impl Wavefront {
                 if sources.are_several() && engine != EngineKind::FastMarching
                     || is_slowed_unevenly =>
             {
-                Ok(Self::Curved)
+                Ok(if setting.has_rays() { Self::Rays } else { Self::Curved })
             }
+            // Where fronts meet, a curvature alone does not tell them apart.
+            Some(Self::Curved) if setting.has_rays() => Ok(Self::Rays),
             Some(wavefront) => Ok(wavefront),
             None if engine == EngineKind::FastMarching => Ok(Self::Planar),
             None if setting.is_map() && setting.has_anchors().is_ok() => Ok(Self::Anchored),
             None if is_rough => Ok(Self::Planar),
-            None if engine == EngineKind::Map && setting.fronts_meet => Ok(Self::Rays),
+            None if setting.has_rays() => Ok(Self::Rays),
             None => Ok(Self::Curved),
         }
     }
@@ -251,6 +255,11 @@ impl Setting {
         Self { engine: EngineKind::MapOnDevice, ..Self::of_engine(is_floor_plan) }
     }
 
+    /// Returns whether fronts carry their ray in place of their curvature alone.
+    fn has_rays(self) -> bool {
+        self.engine == EngineKind::Map && self.fronts_meet
+    }
+
     fn is_map(self) -> bool {
         matches!(self.engine, EngineKind::Map | EngineKind::MapOnDevice)
     }
@@ -326,6 +335,8 @@ mod tests {
         assert_eq!(resolved(None, Setting { sources: CURVES, ..slow }), Ok(Curved));
         let meet = Setting { fronts_meet: true, ..any };
         assert_eq!(resolved(None, meet), Ok(Rays));
+        assert_eq!(resolved(Curved, meet), Ok(Rays));
+        assert_eq!(resolved(Circular, Setting { sources: apart, ..meet }), Ok(Rays));
         assert_eq!(resolved(None, Setting { is_rough: true, ..meet }), Ok(Planar));
         for engine in [EngineKind::MapOnDevice, EngineKind::Matrix, EngineKind::MatrixOnDevice] {
             assert_eq!(resolved(None, Setting { engine, ..meet }), Ok(Curved));
