@@ -1,6 +1,8 @@
 //! Fronts that carry their ray, where fronts of several sources meet, or a front meets itself.
 
+use geosweep::cpu::Order;
 use geosweep::glam::DVec3;
+use geosweep::surface::Instructions;
 use geosweep::surface::builtin::Builtin;
 use geosweep::surface::{EdgeLengths, Real};
 use geosweep::vulkan::DeviceChoice;
@@ -205,4 +207,33 @@ fn devices_have_no_rays_and_say_so() {
     let slowed = sphere.with_slowness((0..400).map(|k| 1.0 + f64::from(k) / 400.0).collect());
     let map = distance_map(&slowed.unwrap(), &Sources::point(3.0, 4.0), &options).unwrap();
     assert_eq!(map.report.wavefront, Wavefront::Curved);
+}
+
+/// Instructions change nothing. The order of updates changes a map where fronts that nearly meet settle in one of two
+/// ways.
+#[test]
+fn all_orders_and_instructions_give_one_map() {
+    let surface = torus(65, 81);
+    let sources = points(&[[8.0, 9.0], [21.5, 40.25], [40.0, 22.0], [53.3, 70.0]]);
+    let grid = surface.solver_grid();
+    let edges = EdgeLengths::<f32>::new(grid.surface()).unwrap();
+    let seeds = sources.seeds_with_origins(&surface).unwrap();
+    let seeds: Vec<_> = seeds.into_iter().map(|seed| grid.seed(seed)).collect();
+    let map = |solver: cpu::RotatedScan<f32>| {
+        let mut solver = solver;
+        assert!(solver.solve(&seeds, STOP).residual <= 1e-6);
+        solver.distances()
+    };
+    let solver = || cpu::RotatedScan::new(&edges, Wavefront::Rays);
+    let first = map(solver());
+    for instructions in Instructions::available() {
+        assert!(map(solver().with_instructions(instructions)) == first, "{instructions}");
+    }
+    let largest = first.iter().copied().fold(0.0, f32::max);
+    let patches = cpu::RotatedScan::in_order(&edges, Wavefront::Rays, Order::Patches { side: 32 });
+    let directed = cpu::raster_scan(&edges, &seeds, Wavefront::Rays, STOP).distances();
+    for (name, other) in [("patches", map(patches)), ("directed", directed)] {
+        let off = first.iter().zip(&other).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+        assert!(off < 2e-4 * largest, "{name}: {off} of {largest}");
+    }
 }
