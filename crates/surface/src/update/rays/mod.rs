@@ -6,12 +6,17 @@
 //! the front of each end goes on alone. A jump of curvature between both ends, as behind an obstacle or beside the
 //! end of a curve, is a transition from one to the other.
 
+mod alone;
+mod of_one;
+
 use super::course::Course;
 use super::curved::{Curvatures, Front, bent, traced};
 use super::{Shape, Triangle};
-use crate::angle::{angle_of, cosine, sin_cos};
+use crate::angle::{angle_of, sin_cos};
 use crate::constants::FAN;
 use crate::{DIFFRACTS, LACKING, Real, Seed, Tagged, max, min};
+use alone::{Alone, Joint, Ray, jump_at};
+pub use of_one::{FrontOfOne, of_one_front};
 
 /// An arriving front with its course.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -80,91 +85,6 @@ const TURNED_AT_BORDER: f64 = 1.0 - 1e-5;
 /// Bounds of a curvature times the length of a ray, for the series of its change.
 const BENT: [f64; 2] = [-9.0, 2.0];
 
-/// A ray in the plane of the triangle. Lengths are in units of the base.
-#[derive(Clone, Copy)]
-struct Ray<R> {
-    to: [R; 2],
-    kappa: R,
-    is_source: bool,
-}
-
-impl<R: Real> Ray<R> {
-    #[inline(always)]
-    fn new(end: &RayEnd<R>, base: R, [p, h]: [R; 2], mirrored: bool) -> Self {
-        let wedge = R::angle_between(end.base, end.side);
-        let from_base = R::angle_between(end.base, end.course.0);
-        let from_base = if wedge < R::zero() { -from_base } else { from_base };
-        // The fan scales the angles of its triangles. Half of the difference lies on either side of the ray.
-        let spread =
-            (angle_of([if mirrored { R::one() - p } else { p }, h]) - wedge.abs()) * R::of(0.5);
-        let [sine, cosine] = sin_cos(from_base + spread);
-        let (x, y) = (if mirrored { -cosine } else { cosine }, sine);
-        let turns_round = end.course.is_to_both_sides() & (y < R::zero());
-        let to = if turns_round { [-x, -y] } else { [x, y] };
-        let is_source = end.curvature >= R::of(Seed::AT_SOURCE);
-        Self { to, kappa: if is_source { R::zero() } else { end.curvature * base }, is_source }
-    }
-
-    /// Returns the delay with which the front passes a place, given from this end.
-    #[inline(always)]
-    fn rise(&self, [x, y]: [R; 2]) -> R {
-        let square = x * x + y * y;
-        let n = R::of(2.0) * (self.to[0] * x + self.to[1] * y) + self.kappa * square;
-        let rise = n / (R::one() + max(R::one() + self.kappa * n, R::zero()).sqrt());
-        if self.is_source { square.sqrt() } else { rise }
-    }
-}
-
-/// The front of one end alone, at x0.
-#[derive(Clone, Copy)]
-struct Alone<R> {
-    /// Whether its ray crosses the base after the front has left its source.
-    comes: bool,
-    rise: R,
-    /// The place where the ray crosses the base, from x1 on, and the length from there.
-    crossing: R,
-    back: R,
-    /// Direction of the ray at x0, normalized, and the curvature there.
-    to: [R; 2],
-    kappa: R,
-}
-
-impl<R: Real> Alone<R> {
-    #[inline(always)]
-    fn new(ray: &Ray<R>, at: R, [p, h]: [R; 2], side: R) -> Self {
-        let (zero, one) = (R::zero(), R::one());
-        let x = p - at;
-        let rise = ray.rise([x, h]);
-        let n = R::of(2.0) * (ray.to[0] * x + ray.to[1] * h) + ray.kappa * (side * side);
-        let root = if ray.is_source { side } else { max(one + ray.kappa * n, zero).sqrt() };
-        let ahead = if ray.is_source {
-            [x, h]
-        } else {
-            [ray.to[0] + ray.kappa * x, ray.to[1] + ray.kappa * h]
-        };
-        let norm = max((ahead[0] * ahead[0] + ahead[1] * ahead[1]).sqrt(), R::min_positive_value());
-        let to = [ahead[0] / norm, ahead[1] / norm];
-        let up = max(to[1], R::of(1e-7));
-        let back = h / up;
-        let crossing = p - h * to[0] / up;
-        let past = R::of(PAST_END);
-        // A front that spreads has no ray behind its centre.
-        let from_centre = if ray.is_source {
-            side
-        } else if ray.kappa > zero {
-            root / ray.kappa
-        } else {
-            R::FAR
-        };
-        let comes = (to[1] > R::of(1e-7))
-            & (crossing >= -past)
-            & (crossing <= one + past)
-            & (back <= from_centre * (one + past));
-        let kappa = if ray.is_source { one / side } else { ray.kappa / max(root, R::of(0.1)) };
-        Self { comes, rise, crossing: min(max(crossing, zero), one), back, to, kappa }
-    }
-}
-
 #[inline(always)]
 fn smooth_step<R: Real>([from, to]: [f64; 2], x: R) -> R {
     let at = min(max((x - R::of(from)) * R::of(1.0 / (to - from)), R::zero()), R::one());
@@ -195,72 +115,6 @@ pub fn rays<R: Real>(
     }
     let time = min(face.front.time, along.front.time);
     RayFront { front: Front { time, ..face.front }, ..face }
-}
-
-/// A front through the face of a triangle whose base one front has reached.
-#[derive(Clone, Copy, Debug)]
-#[doc(hidden)]
-pub struct FrontOfOne<R: Real> {
-    /// The front. If it is not `inside`, its time is that along an edge, and the rest is not defined.
-    pub front: RayFront<R>,
-    pub inside: bool,
-    /// Whether one front has reached both ends of the base, so that [`rays`] has the same result. Otherwise
-    /// this front is not valid.
-    pub is_one: bool,
-}
-
-/// Returns the front at x0 if one front has reached both ends of the base. This is the common case, without branches.
-/// The test compares the turn of the ray along the base, and its direction at x1, with those of a circle.
-#[inline(always)]
-#[doc(hidden)]
-pub fn of_one_front<R: Real>(
-    triangle: Triangle<R>,
-    ends: &[RayEnd<R>; 2],
-    apex: &RayApex<R>,
-) -> FrontOfOne<R> {
-    let (zero, one, half) = (R::zero(), R::one(), R::of(0.5));
-    let half_turn = R::of(std::f64::consts::PI);
-    let fronts = [ends[0].curvature, ends[1].curvature];
-    let surface = [apex.gaussian, ends[0].gaussian, ends[1].gaussian];
-    let bends = Curvatures { fronts, surface, alone: false, causal: false };
-    let traced = traced::<R, false>(triangle, bends);
-    let wedge = R::angle_between(apex.edges[0], apex.edges[1]);
-    let sign = if wedge < zero { -one } else { one };
-    let first = R::angle_between(ends[0].base, ends[0].course.0);
-    let second = R::angle_between(ends[1].base, ends[1].course.0);
-    let second = if second > zero { second - half_turn } else { second + half_turn };
-    let turn = sign * (first - second);
-    let d = if traced.swap { -traced.delay } else { traced.delay };
-    let growth = one + traced.kappa * traced.delay;
-    let sine_of_turn = turn - turn * turn * turn * R::of(1.0 / 6.0);
-    let kappa = fronts[0] * triangle.c;
-    let cosine = cosine(first);
-    let late = cosine - (d - kappa * half * (one - d * d));
-    let at_source = R::of(Seed::AT_SOURCE);
-    let exists =
-        max(max(triangle.t1, triangle.t2), max(max(triangle.l1, triangle.l2), triangle.c)) < R::FAR;
-    let turns =
-        (sine_of_turn * growth - traced.kappa * traced.sine).abs() <= R::of(CREASE[0]) * growth;
-    let agrees = late.abs() <= R::of(JUMP[0]) * (one + kappa * d);
-    // A front that leaves the base on the other side has no ray through this face.
-    let leaves = (sign * first < zero)
-        & (sign * second < zero)
-        & !ends[0].course.is_to_both_sides()
-        & !ends[1].course.is_to_both_sides();
-    let plain =
-        (max(fronts[0], fronts[1]) < at_source) & ends[0].course.is_plain_as(ends[1].course);
-    let angle = angle_at_apex(apex, traced.apex, traced.sides, traced.ray);
-    let inside = traced.inside & !leaves;
-    let along_edge = min(triangle.t1 + triangle.l1, triangle.t2 + triangle.l2);
-    let time = if inside { traced.front.time } else { along_edge };
-    FrontOfOne {
-        front: RayFront {
-            front: Front { time, whole: inside, ..traced.front },
-            course: ends[0].course.turned_to(angle),
-        },
-        inside,
-        is_one: !exists | leaves | (turns & agrees & plain),
-    }
 }
 
 /// Returns the first front along an edge.
@@ -432,86 +286,6 @@ fn own_end<R: Real>([first, second]: &[Ray<R>; 2], [p, h]: [R; 2], d: R) -> usiz
     usize::from(second.rise([p - R::one(), h]) + d < first.rise([p, h]))
 }
 
-/// Returns the place on the base where the curvature of the front jumps: where the line through the centres of both
-/// circles crosses the base, or where both fronts would be late by as much.
-#[inline(always)]
-fn jump_at<R: Real>([first, second]: [&Ray<R>; 2], [m1, m2]: [R; 2], is_divided: bool) -> R {
-    let (zero, one) = (R::zero(), R::one());
-    let den = second.kappa * first.to[1] - first.kappa * second.to[1];
-    let num = first.to[0] * second.to[1] - second.to[0] * first.to[1] + second.kappa * first.to[1];
-    let has_centres = (den.abs() > R::of(APART)) & !first.is_source & !second.is_source;
-    // Beside a straight source, the front of each end would pass the other one as early as it is away from the source.
-    let (a, b) = (m2.abs(), m1.abs());
-    let (a, b) = if is_divided { (a, b) } else { (a.sqrt(), b.sqrt()) };
-    let at = if has_centres { num / den } else { a / max(a + b, R::min_positive_value()) };
-    min(max(at, zero), one)
-}
-
-/// Fronts of single ends, joined.
-#[derive(Clone, Copy)]
-struct Joint<R> {
-    rise: R,
-    kappa: R,
-    to: [R; 2],
-    back: R,
-    /// The share of the second front.
-    second: R,
-}
-
-impl<R: Real> Joint<R> {
-    /// Returns the front of one end, delayed against the first end.
-    #[inline(always)]
-    fn of(ends: &[Alone<R>; 2], end: usize, d: R) -> Self {
-        let Alone { rise, kappa, to, back, .. } = ends[end];
-        let (delay, second) = if end == 0 { (R::zero(), R::zero()) } else { (d, R::one()) };
-        Self { rise: rise + delay, kappa, to, back, second }
-    }
-
-    /// Returns the front across a base on which the curvature jumps at a place. Rays that cross the base far apart are not
-    /// those of one smooth transition. Then the front is the one whose ray crosses its own side of the jump.
-    #[inline(always)]
-    fn across(ends: &[Alone<R>; 2], jump: R, d: R) -> Self {
-        let [a, b] = ends;
-        if (a.crossing - b.crossing).abs() <= R::of(TOGETHER) {
-            return Self::between(ends, jump, d);
-        }
-        let (beyond_a, beyond_b) = (a.crossing - jump, jump - b.crossing);
-        let both = max(beyond_a, beyond_b) <= R::zero();
-        let second = if both { b.rise + d < a.rise } else { beyond_b < beyond_a };
-        Self::of(ends, usize::from(second), d)
-    }
-
-    /// Returns the transition from one front to the other about a place of the base.
-    #[inline(always)]
-    fn between([a, b]: &[Alone<R>; 2], jump: R, d: R) -> Self {
-        let (one, least) = (R::one(), R::of(0.01));
-        let (per_first, per_second) = (one / max(jump, least), one / max(one - jump, least));
-        let mut at = R::of(0.5) * (a.crossing + b.crossing);
-        let (mut second, mut slope) = (R::zero(), R::zero());
-        for _ in 0..2 {
-            let (u, v) = (at * per_first, (one - at) * per_second);
-            let [u7, v7] = [u, v].map(|x| {
-                let (square, cube) = (x * x, x * x * x);
-                square * square * cube
-            });
-            let (of_a, of_b) = (u7 * u, v7 * v);
-            let per = one / (of_a + of_b + R::min_positive_value());
-            second = of_a * per;
-            at = a.crossing + second * (b.crossing - a.crossing);
-            slope = R::of(8.0) * (u7 * per_first * of_b + of_a * v7 * per_second) * per * per;
-        }
-        let mix = |a: R, b: R| a + second * (b - a);
-        let (kappa, back) = (mix(a.kappa, b.kappa), mix(a.back, b.back));
-        let to = [mix(a.to[0], b.to[0]), mix(a.to[1], b.to[1])];
-        // The transition itself turns the front.
-        let late = b.rise + d - a.rise;
-        let turn = slope * late / max(to[1], R::of(0.05)) * max(one - kappa * back, R::zero());
-        let turn = min(max(turn, R::of(-0.3)), R::of(0.3));
-        let to = [to[0] + turn * to[1], to[1] - turn * to[0]];
-        Self { rise: mix(a.rise, b.rise + d), kappa, to, back, second }
-    }
-}
-
 /// Returns the angle in the fan of x0 of a ray in the plane of the triangle. It is measured from the middle between the
 /// edges, so that both sides share the scaling of the fan.
 #[inline(always)]
@@ -529,4 +303,169 @@ fn angle_at_apex<R: Real>(
     let from_middle = if wedge < R::zero() { -from_middle } else { from_middle };
     let half_turn = R::of(std::f64::consts::PI);
     R::angle_ahead(apex.edges[0], R::of(0.5) * wedge + half_turn + from_middle)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec2;
+
+    /// A point source, or a straight front that passes a place at the time zero in a direction.
+    #[derive(Clone, Copy)]
+    enum From {
+        Point(DVec2),
+        Line(DVec2, DVec2),
+    }
+
+    impl From {
+        fn time(self, at: DVec2) -> f64 {
+            match self {
+                Self::Point(from) => at.distance(from),
+                Self::Line(on, along) => (at - on).dot(along.normalize()),
+            }
+        }
+
+        fn ray(self, at: DVec2) -> DVec2 {
+            match self {
+                Self::Point(from) => at - from,
+                Self::Line(_, along) => along,
+            }
+        }
+
+        fn curvature(self, at: DVec2) -> f64 {
+            match self {
+                Self::Point(from) => at.distance(from).recip(),
+                Self::Line(..) => 0.0,
+            }
+        }
+    }
+
+    /// Words of angles in a plane.
+    fn word(to: DVec2) -> u64 {
+        f64::angle_ahead(0, to.to_angle())
+    }
+
+    /// The arguments of an update in a plane, from a front at each end of the base.
+    fn update(
+        [x0, x1, x2]: [DVec2; 3],
+        [first, second]: [From; 2],
+    ) -> (Triangle<f64>, [RayEnd<f64>; 2], RayApex<f64>) {
+        let end = |at: DVec2, other: DVec2, from: From, source| RayEnd {
+            curvature: from.curvature(at),
+            course: Course::new(word(from.ray(at)), source),
+            gaussian: 0.0,
+            base: word(other - at),
+            side: word(x0 - at),
+        };
+        let (l1, l2, c) = (x0.distance(x1), x0.distance(x2), x1.distance(x2));
+        let triangle = Triangle { t1: first.time(x1), t2: second.time(x2), l1, l2, c };
+        let other = u32::from(!std::ptr::eq(&first, &second));
+        let ends = [end(x1, x2, first, 1), end(x2, x1, second, 1 + other)];
+        (triangle, ends, RayApex { gaussian: 0.0, edges: [word(x1 - x0), word(x2 - x0)] })
+    }
+
+    /// Triangles of square, long and sheared cells, and their mirror images.
+    fn triangles() -> Vec<[DVec2; 3]> {
+        let at = DVec2::new;
+        let upright = [
+            [at(0.0, 1.0), at(0.0, 0.0), at(1.0, 0.0)],
+            [at(3.0, 1.0), at(0.0, 0.0), at(3.0, 0.0)],
+            [at(0.3, 0.8), at(0.0, 0.0), at(1.0, 0.0)],
+        ];
+        let mirrored = upright.map(|[x0, x1, x2]| [x0, x2, x1]);
+        upright.into_iter().chain(mirrored).collect()
+    }
+
+    #[test]
+    fn one_front_is_its_circle() {
+        for corners in triangles() {
+            let [x0, x1, x2] = corners;
+            for step in 0..40 {
+                // The ray crosses the base.
+                let crossing = x1.lerp(x2, 0.05 + 0.9 * f64::from(step % 10) / 9.0);
+                let away = [0.6, 3.0, 40.0, 1e3][step as usize / 10];
+                let from = From::Point(crossing + (crossing - x0) * away);
+                let (triangle, ends, apex) = update(corners, [from, from]);
+                let ends = ends.map(|end| RayEnd { course: Course::new(end.course.0, 1), ..end });
+                let of_one = of_one_front(triangle, &ends, &apex);
+                // Beside its source the front turns too much along the base for the fast test.
+                assert!(of_one.is_one || away < 1.0, "{corners:?} {crossing} {away}");
+                for found in [rays(triangle, &ends, &apex), of_one.front] {
+                    let exact = from.time(x0);
+                    assert!((found.front.time - exact).abs() < 1e-7 * exact, "{found:?} {exact}");
+                    let turn = f64::angle_between(word(from.ray(x0)), found.course.0);
+                    assert!(turn.abs() < 1e-6 && found.front.whole, "{turn}");
+                    assert!((found.front.curvature * exact - 1.0).abs() < 1e-5);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn where_two_fronts_meet_the_earlier_goes_on_alone() {
+        for corners in triangles() {
+            let [x0, x1, x2] = corners;
+            let base = x2 - x1;
+            let down = base.perp() * base.perp().dot(x1 - x0).signum();
+            for (a, b) in [(0.0, 0.0), (0.2, -0.3), (-0.4, 0.1)] {
+                // Both sources lie beyond the base, each nearer to its own end.
+                let sources = [x1 + down + a * base - base, x2 + 1.2 * down + b * base + base];
+                let [first, second] = sources.map(From::Point);
+                let nearer = |at: DVec2| first.time(at) <= second.time(at);
+                if !nearer(x1) || nearer(x2) {
+                    continue;
+                }
+                let (triangle, ends, apex) = update(corners, [first, second]);
+                assert!(!of_one_front(triangle, &ends, &apex).is_one);
+                let found = rays(triangle, &ends, &apex);
+                let exact = first.time(x0).min(second.time(x0));
+                assert!(found.front.time >= exact - 1e-6, "{} early: {exact}", found.front.time);
+                let along = (triangle.t1 + triangle.l1).min(triangle.t2 + triangle.l2);
+                assert!(found.front.time <= along + 1e-12);
+            }
+        }
+    }
+
+    /// Beside the end of a straight source, the front is straight on one side and a circle on the other.
+    #[test]
+    fn a_straight_front_and_the_circle_around_its_end_meet_at_a_jump() {
+        let corners = [DVec2::new(0.0, 1.0), DVec2::new(0.0, 0.0), DVec2::new(1.0, 0.0)];
+        for end in [0.25, 0.5, 0.75] {
+            let tip = DVec2::new(end, -0.8);
+            let (line, circle) = (From::Line(tip, DVec2::Y), From::Point(tip));
+            let (triangle, ends, apex) = update(corners, [circle, line]);
+            let found = rays(triangle, &ends, &apex);
+            // The corner x0 lies on the side of the circle. The transition from one to the other has a width.
+            let exact = circle.time(corners[0]);
+            assert!((found.front.time - exact).abs() < 1e-3, "{end}: {found:?} {exact}");
+        }
+    }
+
+    /// The fronts on both sides of a straight source do not make one front.
+    #[test]
+    fn a_source_between_both_ends_is_no_front() {
+        let corners = [DVec2::new(0.0, 1.0), DVec2::new(0.0, 0.0), DVec2::new(1.0, 0.0)];
+        let on = DVec2::new(0.4, 0.0);
+        for along in [DVec2::new(1.0, 0.3), DVec2::new(1.0, -0.3)] {
+            let (first, second) = (From::Line(on, -along), From::Line(on, along));
+            let (triangle, ends, apex) = update(corners, [first, second]);
+            let found = rays(triangle, &ends, &apex);
+            let exact = first.time(corners[0]).abs();
+            assert!(found.front.time >= exact - 1e-6, "{found:?} {exact}");
+        }
+    }
+
+    #[test]
+    fn fronts_leave_a_curve_through_grid_points_to_both_sides() {
+        for side in [1.0, -1.0] {
+            let corners = [DVec2::new(0.3, side), DVec2::new(0.0, 0.0), DVec2::new(1.0, 0.0)];
+            let line = From::Line(DVec2::ZERO, DVec2::Y);
+            let (triangle, mut ends, apex) = update(corners, [line, line]);
+            for end in &mut ends {
+                end.course = Course::new(end.course.0, 1).to_both_sides();
+            }
+            let found = rays(triangle, &ends, &apex);
+            assert!((found.front.time - 1.0).abs() < 1e-7 && found.front.whole, "{found:?}");
+        }
+    }
 }
