@@ -134,7 +134,8 @@ fn rolling_columns_changes_nothing_but_rounding_whatever_the_sources() {
                 }
             }
             println!("{name} by {by}: {largest:.1e}");
-            assert!(largest < 1e-12, "{name} by {by}: {largest:e}");
+            // Directions of rays are rounded to 1.5e-9.
+            assert!(largest < 1e-8, "{name} by {by}: {largest:e}");
         }
     }
 }

@@ -72,7 +72,8 @@ fn a_double_map_converts_to_single_precision() {
     assert_eq!((single.chart, &single.report), (double.chart, &double.report));
     let own = distance_map(&surface, &sources, &options(double.report.wavefront)).unwrap();
     for (index, (rounded, own)) in single.distances.iter().zip(&own.distances).enumerate() {
-        approx::assert_relative_eq!(rounded, own, max_relative = 2e-5);
+        // In single precision, directions of rays have 16 binary digits.
+        approx::assert_relative_eq!(rounded, own, max_relative = 5e-4);
         assert_eq!(*rounded, double.distances[index] as f32);
     }
 }
