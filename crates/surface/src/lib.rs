@@ -57,7 +57,7 @@ pub use chart::{
 };
 pub use chart::{Chart, Direction, GridSide};
 pub use coarsen::Coarsened;
-pub use completed::{CompletedGrid, Layout};
+pub use completed::{CompletedGrid, LastLine, Layout};
 #[doc(hidden)]
 pub use corner::{is_corner, is_open};
 pub use edges::EdgeLengths;
@@ -66,7 +66,7 @@ pub use error::SurfaceError;
 pub use even_grid::EvenGrid;
 #[doc(hidden)]
 pub use gaussian_curvature::{DIFFRACTS, LACKING};
-pub use geodetic::{GeodeticError, GeodeticGrid};
+pub use geodetic::{Ellipsoid, GeodeticError, GeodeticGrid};
 #[doc(hidden)]
 pub use geometry::Sample;
 pub use geometry::{Geometry, MetricTensor, Spacing, Values};
