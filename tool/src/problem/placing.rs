@@ -161,13 +161,22 @@ impl<'a> Placing<'a> {
     ) -> Result<[f64; 2], Misplaced> {
         let missed = |reason: String| Misplaced { reason, near: Some(given) };
         let [row, col] = self.scene.place(given).map_err(|why| missed(format!("source {why}")))?;
-        match Sources::point(row, col).seeds(&self.scene.surface) {
+        let surface = &self.scene.surface;
+        let hole = || {
+            missed(format!("{} lies in a hole of the surface (NaN, no-data or masked out)", name()))
+        };
+        let (last_row, last_col) = surface.chart().last();
+        let is_point =
+            |at: f64, last: usize| at.fract() == 0.0 && (0.0..=last as f64).contains(&at);
+        // Rasters may have a million sources, all at grid points.
+        if is_point(row, last_row) && is_point(col, last_col) {
+            let is_there = surface.has(row as usize, col as usize);
+            return if is_there { Ok([row, col]) } else { Err(hole()) };
+        }
+        match Sources::point(row, col).seeds(surface) {
             Ok(_) => Ok([row, col]),
-            Err(SourceError::Hole { .. }) => Err(missed(format!(
-                "{} lies in a hole of the surface (NaN, no-data or masked out)",
-                name()
-            ))),
-            Err(SourceError::Outside { last_row, last_col, .. }) => Err(missed(format!(
+            Err(SourceError::Hole { .. }) => Err(hole()),
+            Err(SourceError::Outside { .. }) => Err(missed(format!(
                 "{} lies outside the grid: rows run from 0 to {last_row}, columns from 0 to {last_col}",
                 name()
             ))),
