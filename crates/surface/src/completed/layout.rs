@@ -60,6 +60,9 @@ impl Layout {
             Self::FlippedColumns => vec![continued(COLUMNS, true)?],
             Self::FlippedRows => vec![continued(ROWS, true)?],
             Self::Globe => {
+                if !surface.geometry().is_in_space() {
+                    return Err(GluingError::NoPositions { what: "a pole" });
+                }
                 let [north, south] = ROWS.map(|side| pole(surface, side));
                 vec![continued(COLUMNS, false)?, north?, south?]
             }
@@ -170,11 +173,9 @@ pub(super) fn mean(lengths: impl Iterator<Item = f64>) -> f64 {
     sum / f64::from(count)
 }
 
-/// Returns the seam of the first or last row: `Pole` if the row is a pole, `Ring` if the row surrounds a pole.
+/// Returns the seam of the first or last row: `Pole` if the row is a pole, `Ring` if the row surrounds a pole. The
+/// surface has positions.
 fn pole(surface: &Surface, side: GridSide) -> Result<Seam, GluingError> {
-    if !surface.geometry().is_in_space() {
-        return Err(GluingError::NoPositions { what: "a pole" });
-    }
     if let Some(pole) = Rim::new(surface, side).pole() {
         return Ok(pole);
     }
