@@ -57,6 +57,7 @@ mod auto;
 mod engine;
 mod error;
 mod estimate;
+mod map_solver;
 #[cfg(feature = "vulkan")]
 mod method;
 mod options;
@@ -92,6 +93,7 @@ pub use geosweep_surface::{
 pub use glam;
 #[cfg(feature = "vulkan")]
 pub use gpu_allocator;
+pub use map_solver::MapSolver;
 pub use options::Options;
 pub use solve::{distance_map, distance_map_f64};
 #[cfg(feature = "vulkan")]

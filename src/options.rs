@@ -6,6 +6,9 @@ use crate::update::{EngineKind, Setting, SourceKind, Wavefront};
 use crate::vulkan::Schedule;
 use crate::{Engine, Error, Monitor, Stop, Targets};
 
+/// Rounding of distances, as a fraction: a distance that exceeds the radius by less lies within it.
+const ROUNDING: f64 = 1e-6;
+
 /// Options of a map. The default suits most surfaces.
 ///
 /// ```
@@ -43,8 +46,8 @@ pub struct Options {
     /// Maximum number of iterations of four scans. With `None` it is ten for each row and column, more than
     /// any surface but a labyrinth needs.
     pub iterations: Option<u32>,
-    /// Largest distance of the map, in its unit. Points that are farther are unreached: their distance is
-    /// +infinity. Distances within the radius are those of the whole map. With `None` or +infinity there is no
+    /// Largest distance of the map, in its unit, up to a millionth. Points that are farther are unreached: their distance
+    /// is +infinity. Distances within the radius are those of the whole map. With `None` or +infinity there is no
     /// limit. The work is proportional to the area within the radius, except for measuring the surface.
     pub radius: Option<f64>,
     /// The targets of the map. The map ends when no front can reach them earlier, and points that are farther are
@@ -143,11 +146,12 @@ impl Options {
         Ok(stop.or_after(iterations))
     }
 
-    /// Returns the radius, or +infinity if none is set.
+    /// Returns the largest distance within the radius, or +infinity if none is set. A distance that is the radius but for
+    /// rounding lies within it.
     pub(crate) fn checked_radius(&self) -> Result<f64, Error> {
         let radius = self.radius.unwrap_or(f64::INFINITY);
         if radius > 0.0 {
-            return Ok(radius);
+            return Ok(radius * (1.0 + ROUNDING));
         }
         let message =
             format!("the radius {radius} is not a positive number; leave it out for no limit");

@@ -6,6 +6,7 @@ use rayon::prelude::*;
 
 use crate::Stop;
 use crate::cpu::{self, Connections, Limit, seeds_for};
+use crate::map_solver::{MapSolver, Waiting};
 use crate::options::Options;
 use crate::surface::{EdgeLengths, Groups, Real, Seed, SolverGrid, Sources, Surface, min};
 use crate::update::Wavefront;
@@ -27,7 +28,7 @@ pub fn distance_map(
     sources: &Sources,
     options: &Options,
 ) -> Result<DistanceMap, Error> {
-    in_precision(surface, sources, options)
+    in_precision(surface, sources, options, None)
 }
 
 /// Computes the geodesic distance from the sources to every point of a surface in double precision, on the
@@ -56,16 +57,23 @@ pub fn distance_map_f64(
     sources: &Sources,
     options: &Options,
 ) -> Result<DistanceMap<f64>, Error> {
-    in_precision(surface, sources, options)
+    in_precision(surface, sources, options, None)
 }
 
-/// Computes a map in single or double precision.
+/// Computes a map in single or double precision, with what `solver` keeps of earlier maps.
 pub(crate) fn in_precision<R: Precision>(
     surface: &Surface,
     sources: &Sources,
     options: &Options,
+    solver: Option<&MapSolver>,
 ) -> Result<DistanceMap<R>, Error> {
-    R::solve(&Problem::new::<R>(surface, sources, options)?, &options.engine)
+    let seeds = sources.seeds_with_origins(surface)?;
+    let wavefront = match solver {
+        Some(solver) => solver.wavefront(sources, options)?,
+        None => options.resolve_wavefront(surface, sources)?,
+    };
+    let problem = Problem::in_wavefront::<R>(surface, seeds, sources, options, wavefront)?;
+    R::solve(&Problem { solver, ..problem }, &options.engine)
 }
 
 /// A precision in which maps are computed.
@@ -73,11 +81,18 @@ pub(crate) trait Precision: Real {
     /// Default of [`Options::tolerance`].
     const TOLERANCE: f64;
 
+    /// Returns the solvers in this precision that wait for a map.
+    fn waiting(solver: &MapSolver) -> &Waiting<Self>;
+
     fn solve(problem: &Problem, engine: &Engine) -> Result<DistanceMap<Self>, Error>;
 }
 
 impl Precision for f32 {
     const TOLERANCE: f64 = DEFAULT_TOLERANCE;
+
+    fn waiting(solver: &MapSolver) -> &Waiting<Self> {
+        solver.single()
+    }
 
     fn solve(problem: &Problem, engine: &Engine) -> Result<DistanceMap, Error> {
         match engine {
@@ -103,6 +118,10 @@ impl Precision for f32 {
 
 impl Precision for f64 {
     const TOLERANCE: f64 = DEFAULT_TOLERANCE_F64;
+
+    fn waiting(solver: &MapSolver) -> &Waiting<Self> {
+        solver.double()
+    }
 
     fn solve(problem: &Problem, engine: &Engine) -> Result<DistanceMap<f64>, Error> {
         match engine {
@@ -163,30 +182,33 @@ pub(crate) struct Problem<'a> {
     /// The targets on the solver's grid.
     pub targets: Option<Targets>,
     pub monitor: Monitor,
+    /// What is kept from one map of the surface to the next.
+    pub solver: Option<&'a MapSolver>,
 }
 
 /// Margin by which fronts go beyond the radius, as a fraction of the radius, so that rounding leaves out no point
 /// within the radius.
-const ROUNDING: f64 = 1e-6;
+const BEYOND: f64 = 1e-6;
 
 impl<'a> Problem<'a> {
-    fn new<R: Precision>(
-        surface: &'a Surface,
-        sources: &Sources,
-        options: &Options,
-    ) -> Result<Self, Error> {
-        let seeds = sources.seeds_with_origins(surface)?;
-        Self::from_seeds::<R>(surface, seeds, sources, options)
-    }
-
     /// Makes a problem from `seeds` that stand for the sources.
     pub(crate) fn from_seeds<R: Precision>(
         surface: &'a Surface,
-        mut seeds: Vec<Seed>,
+        seeds: Vec<Seed>,
         sources: &Sources,
         options: &Options,
     ) -> Result<Self, Error> {
         let wavefront = options.resolve_wavefront(surface, sources)?;
+        Self::in_wavefront::<R>(surface, seeds, sources, options, wavefront)
+    }
+
+    fn in_wavefront<R: Precision>(
+        surface: &'a Surface,
+        mut seeds: Vec<Seed>,
+        sources: &Sources,
+        options: &Options,
+        wavefront: Wavefront,
+    ) -> Result<Self, Error> {
         let stop = options.stop(surface, R::TOLERANCE)?;
         let (radius, targets) = (options.checked_radius()?, options.checked_targets(surface)?);
         let monitor = options.monitor();
@@ -213,27 +235,43 @@ impl<'a> Problem<'a> {
             radius,
             targets,
             monitor,
+            solver: None,
         })
     }
 
-    pub fn solve_on_cpu<R: Real>(&self) -> Result<DistanceMap<R>, Error> {
-        let edges = EdgeLengths::<R>::measured(self.grid.surface(), || {
-            Ok::<_, Error>(self.monitor.check()?)
-        })?;
-        let start = Instant::now();
-        let mut solver = cpu::RotatedScan::new(&edges, self.wavefront);
+    pub fn solve_on_cpu<R: Precision>(&self) -> Result<DistanceMap<R>, Error> {
+        let (start, mut solver) = match self.solver.and_then(|all| all.take::<R>(self.wavefront)) {
+            Some(solver) => (Instant::now(), solver),
+            None => {
+                let edges = EdgeLengths::<R>::measured(self.grid.surface(), || {
+                    Ok::<_, Error>(self.monitor.check()?)
+                })?;
+                (Instant::now(), cpu::RotatedScan::new(&edges, self.wavefront))
+            }
+        };
         solver = solver.with_monitor(self.monitor.clone());
         solver.set_radius(self.time_limit());
         let convergence = match &self.targets {
             Some(targets) => solver.solve_to(&self.seeds, targets, self.stop),
             None => solver.solve(&self.seeds, self.stop),
         };
-        let solution = solver.into_solution(convergence);
         self.monitor.check()?;
-        let time = start.elapsed();
+        let mut time = start.elapsed();
+        let distances = match self.solver {
+            None => {
+                let solution = solver.into_solution(convergence);
+                time = start.elapsed();
+                solution.distances()
+            }
+            Some(all) => {
+                let distances = solver.distances();
+                all.keep(self.wavefront, solver);
+                distances
+            }
+        };
         let mut report = self.report(UsedEngine::Cpu, "rotated-scan", time);
-        (report.iterations, report.residual) = (solution.iterations, solution.residual);
-        Ok(self.finish(solution.distances(), report))
+        (report.iterations, report.residual) = (convergence.iterations, convergence.residual);
+        Ok(self.finish(distances, report))
     }
 
     fn solve_by_fast_marching<R: Real>(&self) -> Result<DistanceMap<R>, Error> {
@@ -263,15 +301,21 @@ impl<'a> Problem<'a> {
         report.tolerance = self.stop.tolerance;
         report.solve_time = solve_time;
         report.points = self.surface.points();
-        report.seams = self.surface.seams();
-        report.resolution = self.surface.resolution();
+        report.seams = match self.solver {
+            Some(solver) => solver.seams().to_vec(),
+            None => self.surface.seams(),
+        };
+        report.resolution = match self.solver {
+            Some(solver) => solver.resolution(),
+            None => self.surface.resolution(),
+        };
         report
     }
 
     /// Returns the time after which fronts are ignored. Like the times of seeds, it is relative to the smallest initial
     /// value.
     pub fn time_limit(&self) -> f64 {
-        self.radius * (1.0 + ROUNDING) - self.start
+        self.radius * (1.0 + BEYOND) - self.start
     }
 
     /// Returns the distance beyond which points count as unreached. `distances` are relative to the smallest initial

@@ -16,7 +16,7 @@ from ._pairs import pairs
 from ._results import Basis, Curves, Path, Ridge, Voronoi
 from ._sources import Lines
 from ._surface import Device, Surface, devices, distance, route
-from ._warnings import ConvergenceError, ConvergenceWarning, SeamWarning
+from ._warnings import ConvergenceError, ConvergenceWarning, ScaleWarning, SeamWarning
 
 __all__ = [
     "Basis",
@@ -32,6 +32,7 @@ __all__ = [
     "LogMap",
     "Path",
     "Ridge",
+    "ScaleWarning",
     "SeamWarning",
     "Surface",
     "Voronoi",

@@ -1,10 +1,17 @@
-"""Conversion of callers' arrays to NumPy arrays."""
+"""Conversion of callers' arrays to NumPy arrays.
 
+Values that an array marks as missing, by a mask or by attributes, never enter a computation: they
+become holes, walls or no sources, or the array is refused by name.
+"""
+
+import sys
 import warnings
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+from ._attributes import decoded
 
 Floats = NDArray[np.float64]
 
@@ -17,12 +24,31 @@ class HostCopyWarning(UserWarning):
 
 
 def on_host(name: str, value: ArrayLike) -> NDArray[Any]:
-    """Return the content of ``value`` as a NumPy array.
+    """Return the content of ``value`` as a NumPy array, or raise ValueError if values are missing.
 
     Arrays of CuPy, PyTorch, JAX and others come through DLPack. Arrays in the host's memory are not
     copied. Arrays in a device's memory are copied, with a `HostCopyWarning`.
     """
-    if isinstance(value, np.ndarray) or not hasattr(value, "__dlpack_device__"):
+    array = given(name, value)
+    if np.ma.is_masked(array):
+        where = np.argwhere(np.ma.getmaskarray(array))[0].tolist()
+        raise ValueError(
+            f"{name} has a masked value at {where}, which is no number; fill it, or leave it out"
+        )
+    return np.ma.getdata(array) if isinstance(array, np.ma.MaskedArray) else array
+
+
+def given(name: str, value: ArrayLike) -> NDArray[Any]:
+    """Return the content of ``value`` as a NumPy array, masked where values are missing."""
+    if isinstance(value, np.ma.MaskedArray):
+        return value
+    if isinstance(value, np.ndarray):
+        return np.asarray(value)
+    if is_data_array(value):
+        return decoded(name, value)
+    if isinstance(value, (list, tuple)) and any(isinstance(v, np.ma.MaskedArray) for v in value):
+        return np.ma.array(value)
+    if not hasattr(value, "__dlpack_device__"):
         return np.asarray(value)
     array: Any = value
     try:
@@ -36,9 +62,15 @@ def on_host(name: str, value: ArrayLike) -> NDArray[Any]:
     warnings.warn(
         f"{name} lies on a device and was copied to the host, where edges are measured",
         HostCopyWarning,
-        stacklevel=4,
+        stacklevel=5,
     )
     return found
+
+
+def is_data_array(value: object) -> bool:
+    """Return whether a value is one of xarray's arrays, without importing xarray."""
+    xarray = sys.modules.get("xarray")
+    return xarray is not None and isinstance(value, xarray.DataArray)
 
 
 def _copied(array: Any) -> NDArray[Any]:
@@ -58,22 +90,50 @@ def is_number(value: object) -> bool:
     return isinstance(value, (int, float, np.integer, np.floating))
 
 
-def numbers(name: str, value: ArrayLike) -> Floats:
-    """Return an array of float64 in C order, or raise TypeError."""
+def is_count(value: object) -> bool:
+    """Return whether a value is one whole number, of Python's or NumPy's types."""
+    if isinstance(value, (bool, np.bool_)):
+        return False
+    is_scalar = isinstance(value, np.ndarray) and value.ndim == 0 and value.dtype.kind in "iu"
+    return isinstance(value, (int, np.integer)) or is_scalar
+
+
+def numbers(name: str, value: ArrayLike, missing: float | None = None) -> Floats:
+    """Return an array of float64 in C order, or raise TypeError.
+
+    Missing values become ``missing``. Without that, they raise ValueError.
+    """
     try:
-        array = on_host(name, value)
-        if array.dtype.kind not in "biuf":
-            raise TypeError(f"{name} must be real numbers, not {array.dtype}")
-        # An array that was received from another process may not be aligned.
-        return np.require(array, np.float64, ["C", "A"])
-    except (TypeError, ValueError) as error:
-        said = f"{name} must be an array of real numbers, not {value!r:.60}"
-        raise TypeError(f"{said} ({error})" if "DLPack" in str(error) else said) from error
+        array = on_host(name, value) if missing is None else given(name, value)
+    except TypeError as error:
+        raise _no_numbers(name, value, error) from error
+    except ValueError as error:
+        if "masked value" in str(error) or "attribute" in str(error):
+            raise
+        raise _no_numbers(name, value, error) from error
+    if array.dtype.kind not in "biuf":
+        raise TypeError(f"{name} must be an array of real numbers, not {value!r:.60}")
+    if np.ma.is_masked(array):
+        array = np.ma.filled(np.ma.asarray(array, np.float64), missing)
+    # An array that was received from another process may not be aligned.
+    return np.require(np.ma.getdata(array), np.float64, ["C", "A"])
 
 
-def flags(name: str, value: ArrayLike) -> NDArray[np.bool_]:
-    """Return whether each entry of a mask is other than zero, in C order."""
-    array = on_host(name, value)
+def _no_numbers(name: str, value: object, error: Exception) -> TypeError:
+    said = f"{name} must be an array of real numbers, not {value!r:.60}"
+    return TypeError(f"{said} ({error})" if "DLPack" in str(error) else said)
+
+
+def flags(name: str, value: ArrayLike, missing: bool = False) -> NDArray[np.bool_]:
+    """Return whether each entry of a mask is other than zero, in C order.
+
+    Missing values and NaN become ``missing``.
+    """
+    array = given(name, value)
     if array.dtype.kind not in "biuf":
         raise TypeError(f"{name} must be an array of booleans or numbers, not of {array.dtype}")
-    return np.ascontiguousarray(array != 0)
+    unknown = np.ma.getmaskarray(array)
+    values = np.ma.getdata(array)
+    if values.dtype.kind == "f":
+        unknown = unknown | np.isnan(values)
+    return np.ascontiguousarray(np.where(unknown, missing, values != 0))

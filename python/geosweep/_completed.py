@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _geosweep
 from ._arrays import Floats, numbers
+from ._settings import refuse
 from ._surface import Glue, Surface
 
 Layout = Literal["columns", "rows", "both", "flipped-columns", "flipped-rows", "globe", "cube"]
@@ -27,11 +28,16 @@ class CompletedGrid:
     layout
         The sides that continue each other: "columns", "rows", "both", "flipped-columns",
         "flipped-rows", "globe" (rows are latitudes) or "cube" (six faces).
+    last
+        Whether the last line is the first one again, "repeated", or one step from it, "apart". By
+        default positions tell it, and lines of heights, of a metric, of a slowness or of holes that
+        differ are apart.
 
     Raises
     ------
     ValueError
-        If the sides are neither the same line nor neighbours, or the grid is too small.
+        If the sides are neither the same line nor neighbours, or the grid is too small. Also if
+        both lines of a surface without positions are equal and ``last`` is not given.
 
     Examples
     --------
@@ -50,8 +56,16 @@ class CompletedGrid:
     (36, 72)
     """
 
-    def __init__(self, surface: Surface, layout: Layout) -> None:
-        self._grid = _geosweep.CompletedGrid(surface._surface, layout)
+    def __init__(
+        self,
+        surface: Surface,
+        layout: Layout,
+        *,
+        last: Literal["repeated", "apart"] | None = None,
+    ) -> None:
+        if last not in (None, "repeated", "apart"):
+            refuse("last", last, "'repeated' or 'apart'")
+        self._grid = _geosweep.CompletedGrid(surface._surface, layout, last)
         self._glue: Glue = "charts" if layout == "cube" else layout
 
     def __repr__(self) -> str:

@@ -4,11 +4,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ._arrays import Floats
+from ._arrays import Floats, numbers
 from ._optional import needed
 from ._place import Place
 from ._results import Curves, Path, Voronoi
-from ._sources import Mixed
+from ._sources import Placed
 
 if TYPE_CHECKING:
     from geopandas import GeoDataFrame
@@ -22,6 +22,11 @@ def is_table(value: object) -> bool:
 def _projected(name: str, table: Any, crs: str | None) -> Any:
     """Return the geometries in a raster's coordinates."""
     geometry = table.geometry
+    if crs is None and geometry.crs is not None:
+        raise ValueError(
+            f"{name}: the table is in {geometry.crs.to_string():.40}, and the array names no CRS; "
+            "write its own with rioxarray, da.rio.write_crs(...), or take away the table's"
+        )
     if crs is not None and geometry.crs is not None:
         geometry = geometry.to_crs(crs)
     if len(geometry) == 0 or geometry.isna().any() or geometry.is_empty.any():
@@ -29,32 +34,59 @@ def _projected(name: str, table: Any, crs: str | None) -> Any:
     return geometry
 
 
-def sources_of(table: Any, place: Place) -> Mixed:
-    """Return the points and lines of a table as sources.
+def sources_of(table: Any, place: Place, strict: bool) -> Placed:
+    """Return the points and lines of a table as sources, which keep the numbers of their rows.
 
-    Points come before lines in the order of sources, each in the order of the table. A column
-    ``start`` holds start times.
+    A column ``start`` holds start times.
     """
     geometry = _projected("source", table, place.crs)
     starts = np.zeros(len(geometry))
     if "start" in getattr(table, "columns", ()):
-        starts = np.asarray(table["start"], dtype=np.float64)
+        starts = numbers("source starts", table["start"])
+    return sources_of_shapes(list(geometry), starts, place, strict)
+
+
+def is_shape(value: object) -> bool:
+    """Return whether a value is a geometry of shapely, or a list of them."""
+    if isinstance(value, (list, tuple)):
+        return bool(value) and all(map(is_shape, value))
+    return hasattr(value, "geom_type") and hasattr(value, "__geo_interface__")
+
+
+def sources_of_shapes(shapes: list[Any], starts: Floats, place: Place, strict: bool) -> Placed:
+    """Return geometries in a raster's coordinates as sources, numbered as they are listed."""
     points: list[Floats] = []
     lines: list[tuple[Floats, float]] = []
-    for shape, start in zip(geometry, starts.tolist(), strict=True):
-        for part in getattr(shape, "geoms", [shape]):
+    of_points: list[int] = []
+    of_lines: list[int] = []
+    for row, (shape, start) in enumerate(zip(shapes, starts.tolist(), strict=True)):
+        for part in _parts(shape):
             if part.geom_type not in ("Point", "LineString", "LinearRing"):
                 raise ValueError(
                     f"source: a {part.geom_type} is neither points nor lines; take its .boundary "
                     "or .centroid"
                 )
             xy = np.asarray(part.coords, dtype=np.float64)[:, :2]
-            places = place.to_grid("source", xy)
-            if part.geom_type == "Point":
+            is_point = part.geom_type == "Point"
+            places = place.to_grid("source", xy, strict or not is_point)
+            if is_point:
                 points.append(np.column_stack([places, [start]]))
+                of_points.append(row)
             else:
                 lines.append((np.ascontiguousarray(places), start))
-    return Mixed(np.concatenate(points) if points else np.empty((0, 3)), lines)
+                of_lines.append(row)
+    rows = np.array(of_points + of_lines, dtype=np.int64)
+    all_points = np.concatenate(points) if points else np.empty((0, 3))
+    return Placed(all_points, lines, rows, len(shapes))
+
+
+def _parts(shape: Any) -> list[Any]:
+    """Return the parts of a geometry, also of nested collections."""
+    return (
+        [part for one in shape.geoms for part in _parts(one)]
+        if hasattr(shape, "geoms")
+        else [shape]
+    )
 
 
 def points_of(name: str, table: Any, place: Place) -> Floats:
@@ -96,8 +128,11 @@ def borders_table(voronoi: Voronoi, place: Place) -> "GeoDataFrame":
     return _table(columns, [_line(curve, place) for _, curve in voronoi.borders], place)
 
 
-def regions_table(voronoi: Voronoi, place: Place) -> "GeoDataFrame":
-    """Return a table of regions, each the union of the cells around its points, with areas."""
+def regions_table(voronoi: Voronoi, place: Place, names: Any) -> "GeoDataFrame":
+    """Return a table of regions, each the union of the cells around its points, with areas.
+
+    ``names`` holds the labels of the sources, or is None.
+    """
     shapely = needed("shapely", "geopandas", "a table of curves or regions")
     labels = voronoi.labels
     # Runs of equal labels along rows, as rectangles that go half a step beyond their points.
@@ -110,4 +145,6 @@ def regions_table(voronoi: Voronoi, place: Place) -> "GeoDataFrame":
     of = labels[rows, firsts]
     present = [source for source in range(len(voronoi.areas)) if (of == source).any()]
     columns = {"source": present, "area": voronoi.areas[present]}
+    if names is not None:
+        columns["label"] = names[present]
     return _table(columns, [shapely.union_all(boxes[of == source]) for source in present], place)

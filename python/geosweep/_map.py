@@ -6,14 +6,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _geosweep
-from ._arrays import Floats, flags, numbers
+from ._arrays import Floats, flags, is_count, numbers
 from ._plot import draw, round_levels
 from ._results import Basis, Curves, Path, Ridge, Voronoi
 from ._settings import refuse
-from ._sources import Problem
+from ._sources import Placed, Problem
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+
+    from ._surface import Surface
 
 Direction = Literal["compass", "grass", "grid", "space"]
 
@@ -23,6 +25,10 @@ class LogMap:
 
     def __init__(self, compiled: "_geosweep.LogMap") -> None:
         self._map = compiled
+
+    def __repr__(self) -> str:
+        rows, cols = self.coordinates.shape[:2]
+        return f"<geosweep.LogMap: {rows} x {cols} from {len(self._map.bases)} sources>"
 
     @property
     def coordinates(self) -> NDArray[np.float32]:
@@ -68,15 +74,34 @@ class DistanceMap:
 
     def __init__(
         self,
-        surface: "_geosweep.Surface",
+        surface: "Surface",
         map_: "_geosweep.Map",
         problem: Problem,
+        sources: Placed,
+        labels: NDArray[Any] | None,
         out: NDArray[Any] | None,
     ) -> None:
-        self._surface = surface
+        self._whole = surface
+        self._surface = surface._surface
         self._map = map_
         self._problem = problem
+        self._sources = sources
+        self._labels = labels
         self._out = out
+        self._report: dict[str, Any] | None = None
+
+    def __repr__(self) -> str:
+        report = self.report
+        (rows, cols), reached = self._surface.shape, report["reached"]
+        return (
+            f"<geosweep.DistanceMap: {rows} x {cols}, {reached} of {report['points']} points "
+            f"reached, largest distance {report['max_distance']:.7g}>"
+        )
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle the surface, the sources and the distances."""
+        state = (self._problem, self._sources, self._labels)
+        return _restored, (self._whole, np.asarray(self._map.distance), self.report, *state)
 
     @property
     def distance(self) -> NDArray[Any]:
@@ -89,12 +114,18 @@ class DistanceMap:
     @property
     def report(self) -> dict[str, Any]:
         """Report on the computation: engine, iterations, residual, converged and more."""
-        return self._map.report
+        return self._map.report if self._report is None else dict(self._report)
 
     @property
-    def nearest(self) -> NDArray[np.int32]:
-        """Index of the nearest source (M, N); -1 where no source reaches."""
-        return self.voronoi().labels
+    def nearest(self) -> NDArray[Any]:
+        """The nearest source (M, N): its number, or its label if labels were given.
+
+        Sources are numbered as they were given: a row of a table or an array, a line, or a cell of
+        a raster in row-major order. Where no source reaches, the number is -1, and the label is -1,
+        NaN or None.
+        """
+        numbers = self.voronoi().labels
+        return numbers if self._labels is None else _labelled(numbers, self._labels)
 
     def nearest_places(self) -> Floats:
         """Return row and column (M, N, 2) of the place where each point's path meets its source.
@@ -187,7 +218,10 @@ class DistanceMap:
         array = numbers("ends", ends)
         if array.ndim != 2 or array.shape[1] != 2:
             raise ValueError(f"ends must have the shape (n, 2), not {array.shape}")
-        return [Path(*path) for path in self._map.paths(array.tolist())]
+        rows = self._sources.rows
+        own = (lambda source: source) if rows is None else (lambda source: int(rows[source]))
+        found = self._map.paths(array.tolist())
+        return [Path(vertices, length, own(source)) for vertices, length, source in found]
 
     def contours(
         self, levels: ArrayLike | None = None, *, step: float | None = None
@@ -203,15 +237,24 @@ class DistanceMap:
         """
         if step is not None or levels is None:
             chosen = self._map.levels(None, step)
-        elif isinstance(levels, int):
-            chosen = self._map.levels(levels, None)
+        elif isinstance(levels, (bool, np.bool_)):
+            raise TypeError(f"levels must be a number of levels or distances, not {levels!r}")
+        elif is_count(levels):
+            if int(np.asarray(levels)) < 0:
+                raise ValueError(f"levels={levels!r}: a number of levels is not negative")
+            chosen = self._map.levels(int(np.asarray(levels)), None)
         else:
             chosen = numbers("levels", levels).ravel().tolist()
         return [Curves(*curves) for curves in self._map.contours(chosen)]
 
     def voronoi(self) -> Voronoi:
-        """Return the regions of the sources, and their borders."""
-        labels, borders, areas = self._map.voronoi()
+        """Return the regions of the sources, and their borders.
+
+        The parts of a row of a table, such as the points of a MultiPoint, have one region.
+        """
+        rows = self._sources.rows
+        merged = None if rows is None else (rows.tolist(), self._sources.count)
+        labels, borders, areas = self._map.voronoi(merged)
         return Voronoi(labels, [((a, b), line) for (a, b), line in borders], np.asarray(areas))
 
     def offsets(self, levels: ArrayLike, side: str = "left") -> list[Curves]:
@@ -271,7 +314,38 @@ class DistanceMap:
     ) -> tuple[list[Curves], list[Path]]:
         """Return the lines of equal distance and the paths of a picture; see `plot`."""
         levels = contours
-        if isinstance(contours, int):
-            levels = round_levels(self.distance, contours)
+        if is_count(contours):
+            levels = round_levels(self.distance, int(np.asarray(contours)))
         curves = self.contours(levels) if np.size(levels) else []
         return curves, [] if paths is None else self.paths(paths)
+
+
+def _labelled(numbers: NDArray[np.int32], labels: NDArray[Any]) -> NDArray[Any]:
+    """Return the label of each source's number."""
+    none: Any = None
+    if labels.dtype.kind in "iu":
+        labels, none = labels.astype(np.int64), -1
+    elif labels.dtype.kind == "f":
+        none = np.nan
+    else:
+        labels = labels.astype(object)
+    found = labels[np.maximum(numbers, 0)]
+    found[numbers < 0] = none
+    return found
+
+
+def _restored(
+    surface: "Surface",
+    distances: NDArray[Any],
+    report: dict[str, Any],
+    problem: Problem,
+    sources: Placed,
+    labels: NDArray[Any] | None,
+) -> DistanceMap:
+    """Restore a map that was pickled."""
+    # Arrays of another process may not be aligned.
+    distances = np.require(distances, None, ["C", "A"])
+    map_ = surface._surface.restored(problem, distances)
+    found = DistanceMap(surface, map_, problem, sources, labels, None)
+    found._report = report
+    return found

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import _geosweep
 from ._arrays import on_host
 from ._settings import Engine, Wavefront, settings
-from ._surface import Surface, _check_out
+from ._surface import Surface, check_out
 from ._warnings import check
 
 Matrix = NDArray[np.float32]
@@ -59,7 +59,7 @@ def pairwise(
     shape = (len(wanted), points)
     if out is None:
         out = np.empty(shape, np.float32)
-    _check_out(out, shape, np.float32)
+    check_out(out, shape, np.float32)
     if not out.flags.c_contiguous:
         raise ValueError("out must be in C order")
     found = _geosweep.pairwise(surface._surface, wanted.tolist(), out, chosen, progress)

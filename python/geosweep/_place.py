@@ -23,24 +23,37 @@ class Place:
     crs: str | None
     """Coordinate reference system as WKT."""
 
-    def to_grid(self, name: str, xy: Floats) -> Floats:
+    stored: tuple[Floats, Floats] | None = None
+    """The coordinates of rows and of columns as the array stores them, if they are rounded."""
+
+    def to_grid(self, name: str, xy: Floats, strict: bool = True) -> Floats:
         """Return the rows and columns (n, 2) of coordinates (n, 2).
 
-        Raise ValueError if any of them lies outside the grid.
+        Places in the outer half of a border cell are moved to its point, as a GIS gives them the
+        value of that cell. Places that lie outside raise ValueError, or are returned as they are if
+        ``strict`` is false.
         """
         places = np.column_stack([(self.y0 - xy[:, 1]) / self.dy, (xy[:, 0] - self.x0) / self.dx])
         last = np.subtract(self.shape, 1)
-        # Coordinates at the border may be off by rounding.
+        if self.stored is not None:
+            # A coordinate of the array is that of its row or column, though it is rounded.
+            for axis, coordinates in enumerate(self.stored):
+                nearest = np.clip(np.rint(places[:, axis]), 0, last[axis]).astype(np.int64)
+                same = coordinates[nearest] == xy[:, 1 - axis]
+                places[same, axis] = nearest[same]
         inside = np.clip(places, 0, last)
-        outside = ~(np.abs(places - inside) < 1e-6).all(axis=1)
-        if outside.any():
-            x, y = xy[outside][0].tolist()
-            raise ValueError(
-                f"{name}: x={x:.10g}, y={y:.10g} lies outside the raster, whose points have x from "
-                f"{self.x0:.10g} to {self.x0 + self.dx * last[1]:.10g} and y from "
-                f"{self.y0 - self.dy * last[0]:.10g} to {self.y0:.10g}"
-            )
-        return inside
+        beyond = ~(np.abs(places - inside) <= 0.5 + 1e-6).all(axis=1)
+        if not strict or not beyond.any():
+            inside[beyond] = places[beyond]
+            return inside
+        first = "; ".join(f"x={x:.10g}, y={y:.10g}" for x, y in xy[beyond][:5].tolist())
+        count = int(beyond.sum())
+        raise ValueError(
+            f"{name}: {first} {'lies' if count == 1 else 'and so on lie' if count > 5 else 'lie'} "
+            f"outside the raster ({count} of {len(xy)} places), whose points have x from "
+            f"{self.x0:.10g} to {self.x0 + self.dx * last[1]:.10g} and y from "
+            f"{self.y0 - self.dy * last[0]:.10g} to {self.y0:.10g}"
+        )
 
     def to_xy(self, places: Floats) -> Floats:
         """Return coordinates (n, 2) of rows and columns (n, 2)."""

@@ -62,17 +62,22 @@ def settings(
         raise ValueError(f"threads={threads!r}: give at least 1, or None for all")
     if radius is not None and not radius > 0:
         raise ValueError(f"radius={radius!r} must be positive; leave it out for no limit")
-    if needed is not None and (targets is None or needed < 1):
-        raise ValueError(f"needed={needed!r} is a number of targets, at least one; give both")
+    if device is not None and engine == "cpu":
+        raise ValueError(f"device={device!r} is for engine='gpu'; leave out one of them")
+    points = None if targets is None else grid_points("targets", targets).tolist()
+    if needed is not None and (points is None or not 1 <= needed <= len(points)):
+        there = 0 if points is None else len(points)
+        raise ValueError(f"needed={needed!r} must be a number of targets, from 1 to {there} here")
     return {
-        "engine": engine,
+        # As in the tool, a device asks for the engine that it is for.
+        "engine": engine if device is None else "gpu",
         "device": None if device is None else str(device),
         "wavefront": None if wavefront == "auto" else wavefront,
         "tolerance": tolerance,
         "iterations": iterations,
         "threads": threads,
         "radius": radius,
-        "targets": None if targets is None else grid_points("targets", targets).tolist(),
+        "targets": points,
         "needed": needed,
     }
 

@@ -1,12 +1,13 @@
 """Sources in the forms in which callers give them."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
-from ._arrays import Floats, is_number, numbers, on_host
+from ._arrays import Floats, flags, given, is_number, numbers
 from ._settings import Settings
 
 
@@ -35,51 +36,210 @@ class Lines:
 
 
 @dataclass(frozen=True)
-class Mixed:
-    """Points (n, 3) and lines, as the compiled part takes them."""
+class Placed:
+    """Points (n, 3) and lines, as the compiled part takes them.
+
+    Points come before lines in the order of sources.
+    """
 
     points: Floats
-    lines: list[tuple[Floats, float]]
+    lines: list[tuple[Floats, float]] = field(default_factory=list)
+    rows: NDArray[np.int64] | None = None
+    """The row of the caller's table for each source; None if that is the source's index."""
+    count: int = 0
+    """Number of rows of the caller's table, if there are ``rows``."""
+
+    @property
+    def given(self) -> int:
+        """Number of sources as the caller counts them."""
+        return len(self.points) + len(self.lines) if self.rows is None else self.count
 
 
-Source = ArrayLike | Lines | Mixed
+Source = ArrayLike | Lines | Placed
 Native = tuple[Floats, list[tuple[Floats, float]]]
 # Points, lines, options, and whether a map is in double precision, as the compiled part takes them.
 Problem = tuple[Floats, list[tuple[Floats, float]], Settings, bool]
 
+# Names of the columns of tables, in lower case.
+ROW_COL = (("row",), ("col", "column"))
+_STARTS = ("start", "t0", "time", "start_value", "start_time", "initial")
+
 
 def native(source: Source, shape: tuple[int, int]) -> Native:
     """Return points (n, 3) with starts, and lines with starts."""
+    found = placed(source, shape)
+    return found.points, found.lines
+
+
+def placed(source: Source, shape: tuple[int, int]) -> Placed:
+    """Return sources as the compiled part takes them, and the caller's numbers of them."""
     if isinstance(source, tuple) and len(source) in (2, 3) and all(map(is_number, source)):
-        return np.array([(*source, 0.0)[:3]], dtype=np.float64), []
-    if isinstance(source, Mixed):
-        return source.points, source.lines
+        return Placed(np.array([(*source, 0.0)[:3]], dtype=np.float64))
+    if isinstance(source, Placed):
+        return source
     if isinstance(source, Lines):
         lines = [numbers("source", line) for line in source.vertices]
         for line in lines:
             if line.ndim != 2 or line.shape[1] != 2:
                 raise ValueError(f"source: a line needs the shape (n, 2), not {line.shape}")
         starts = np.broadcast_to(numbers("source starts", source.starts), (len(lines),))
-        return np.empty((0, 3)), list(zip(lines, starts.tolist(), strict=True))
-    if isinstance(source, (list, tuple)):
-        array = numbers("source", source)
-        is_raster = False
-    else:
-        given = on_host("source", source)
-        is_raster = given.shape == shape and given.dtype.kind in "biu"
-        array = (
-            np.argwhere(given != 0).astype(np.float64) if is_raster else numbers("source", given)
+        return Placed(np.empty((0, 3)), list(zip(lines, starts.tolist(), strict=True)))
+    refuse_apart(source)
+    if is_frame(source):
+        table = points_of(columns_of(source, ROW_COL, "rows and columns: row and col"))
+        assert table is not None  # It has two or three columns.
+        return table
+    if hasattr(source, "geom_type") or hasattr(source, "geometry"):
+        raise TypeError(
+            "source: geometries have x and y, and this surface has rows and columns; use the "
+            "accessor da.geosweep of an array with coordinates, or give rows and columns"
         )
-    if is_raster and not len(array):
-        raise ValueError("source: the raster has no cell other than zero")
-    if array.shape == (2,) or array.shape == (3,):
-        array = array[None, :]
-    if array.ndim != 2 or array.shape[1] not in (2, 3):
+    values = given("source", source)
+    if values.shape == shape and values.dtype.kind in "biu":
+        cells = np.argwhere(flags("source", values)).astype(np.float64)
+        if not len(cells):
+            raise ValueError("source: the raster has no cell other than zero and missing ones")
+        return Placed(np.column_stack([cells, np.zeros(len(cells))]))
+    found = points_of(values)
+    if found is None:
         raise ValueError(
             "source must be (row, col), an array (n, 2), an array (n, 3) with start times, Lines, "
-            f"or a boolean or integer raster of the shape {shape}, not an array of the shape "
-            f"{array.shape}"
+            f"a table, or a boolean or integer raster of the shape {shape}, not an array of "
+            f"{values.dtype} with the shape {values.shape}"
+            + ("; make a raster boolean: (source > 0)" if values.shape == shape else "")
         )
+    return found
+
+
+def points_of(values: NDArray[Any]) -> Placed | None:
+    """Return points from an array (n, 2) of places or (n, 3) with starts, or None for other shapes.
+
+    Rows in which a number is masked are left out.
+    """
+    if values.shape == (2,) or values.shape == (3,):
+        values = values[None, :]
+    if values.ndim != 2 or values.shape[1] not in (2, 3):
+        numbers("source", values)
+        return None
+    count, rows = len(values), None
+    if np.ma.is_masked(values):
+        rows = np.flatnonzero(~np.ma.getmaskarray(values).any(axis=1))
+        values = values[rows]
+        if not len(rows):
+            raise ValueError("source: all rows are masked")
+    array = numbers("source", values)
     if array.shape[1] == 2:
         array = np.column_stack([array, np.zeros(len(array))])
-    return np.ascontiguousarray(array), []
+    return Placed(np.ascontiguousarray(array), rows=rows, count=count)
+
+
+def refuse_apart(source: object) -> None:
+    """Raise ValueError for a tuple of two arrays, as np.nonzero returns it.
+
+    It would be taken for two points if both arrays had two numbers.
+    """
+    arrays = source if isinstance(source, tuple) and len(source) in (2, 3) else ()
+    if arrays and all(isinstance(one, np.ndarray) and one.ndim == 1 for one in arrays):
+        raise ValueError(
+            "source: a tuple of arrays does not say whether they are points or coordinates; give "
+            "np.column_stack(source) if they are coordinates, and np.array(source) if points"
+        )
+
+
+def is_frame(value: object) -> bool:
+    """Return whether a value is a table with named columns, or a row of it, without geometries."""
+    return (
+        (hasattr(value, "columns") or _is_row(value))
+        and hasattr(value, "__getitem__")
+        and not hasattr(value, "to_crs")
+    )
+
+
+def _is_row(value: Any) -> bool:
+    """Return whether a value is a Series of pandas whose numbers have names."""
+    return hasattr(value, "to_frame") and any(isinstance(name, str) for name in value.index)
+
+
+def columns_of(
+    table: Any, wanted: tuple[tuple[str, ...], tuple[str, ...]], what: str
+) -> NDArray[Any]:
+    """Return the columns (n, 2) of a table with the wanted names, or (n, 3) with start times."""
+    table = table.to_frame().T if _is_row(table) else table
+    there = {str(name).strip().lower(): name for name in table.columns}
+    found = [[there[name] for name in names if name in there] for names in (*wanted, _STARTS)]
+    if not (found[0] and found[1]) or any(len(names) > 1 for names in found):
+        raise ValueError(
+            f"source: the table must have columns with {what}, and perhaps start; it has "
+            f"{', '.join(map(str, table.columns))}"
+        )
+    return np.column_stack(
+        [numbers("source", np.asarray(table[name])) for [name] in filter(None, found)]
+    )
+
+
+def labels_of(labels: Any, source: Any, found: Placed, shape: tuple[int, int]) -> Any:
+    """Return the label of each source as the caller counts them."""
+    if isinstance(labels, str):
+        if not hasattr(source, "columns") or labels not in source.columns:
+            raise ValueError(f"labels={labels!r} is not a column of the table of sources")
+        labels = source[labels]
+    values = np.asarray(given("labels", labels))
+    if values.ndim == 2 and values.shape == shape:
+        rows, cols = found.points[:, :2].astype(np.int64).T
+        if found.lines or not np.array_equal(found.points[:, 0], rows):
+            raise ValueError("labels: a raster of labels is for a raster of sources")
+        values = values[rows, cols]
+    if values.shape != (found.given,):
+        raise ValueError(
+            f"labels must have one value for each of {found.given} sources, not {values.shape}"
+        )
+    return values
+
+
+def on_surface(found: Placed, surface: Any, outside: str) -> Placed:
+    """Return sources without points outside a surface or in its holes.
+
+    ``outside`` says what becomes of these: they raise ValueError ("refuse"), are left out ("skip"),
+    or are moved to the nearest point of the surface ("snap").
+    """
+    points = found.points
+    there = _are_on(points[:, :2], surface)
+    if there.all():
+        return found
+    missed = np.flatnonzero(~there)
+    if outside == "refuse":
+        first = ", ".join(f"({row:.7g}, {col:.7g})" for row, col in points[missed[:5], :2].tolist())
+        more = "" if len(missed) <= 5 else f" and {len(missed) - 5} more"
+        rows, cols = surface.shape
+        raise ValueError(
+            f"{len(missed)} of {len(points)} source points lie outside the grid or in holes (NaN "
+            f"or masked out): {first}{more}; rows run from 0 to {rows - 1}, columns from 0 to "
+            f"{cols - 1}. sources_outside='skip' leaves them out, 'snap' moves them to the surface"
+        )
+    if outside == "skip":
+        if not there.any() and not found.lines:
+            raise ValueError("no source lies on the surface, so nothing is left")
+        rows_of = np.arange(found.given) if found.rows is None else found.rows
+        kept = np.concatenate([there, np.ones(len(found.lines), np.bool_)])
+        return Placed(points[there], found.lines, rows_of[kept], found.given)
+    present = np.argwhere(surface.present)
+    steps = surface.spacing or (1.0, 1.0)
+    moved = points.copy()
+    for index in missed.tolist():
+        place = np.nan_to_num(points[index, :2], nan=0.0)
+        apart = ((present - place) * steps) ** 2
+        moved[index, :2] = present[apart.sum(axis=1).argmin()]
+    return Placed(moved, found.lines, found.rows, found.count)
+
+
+def _are_on(places: Floats, surface: Any) -> NDArray[np.bool_]:
+    """Return whether each place (n, 2) lies on a surface."""
+    there = np.zeros(len(places), np.bool_)
+    inside = ((places >= 0) & (places <= np.subtract(surface.shape, 1))).all(axis=1)
+    whole = inside & (places == np.rint(places)).all(axis=1)
+    rows, cols = places[whole].astype(np.int64).T
+    there[whole] = surface.present[rows, cols]
+    between = inside & ~whole
+    if between.any():
+        there[between] = surface.have_points(np.ascontiguousarray(places[between]))
+    return there

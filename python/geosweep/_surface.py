@@ -9,10 +9,11 @@ import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from . import _geosweep
-from ._arrays import Floats, flags, is_number, numbers
+from ._arrays import Floats, is_data_array, is_number, numbers
+from ._inputs import Inputs
 from ._map import DistanceMap
 from ._settings import Engine, Wavefront, is_double, refuse, settings
-from ._sources import Source, native
+from ._sources import Source, labels_of, native, on_surface, placed
 from ._warnings import SeamWarning, check
 
 Spacing = float | tuple[float, float]
@@ -45,8 +46,11 @@ def _steps(spacing: Spacing) -> tuple[float, float]:
 
 
 def _kept(name: str, array: ArrayLike, copy: bool) -> Floats:
-    """Return an array of float64 in C order that nobody else changes, unless ``copy`` is false."""
-    values = numbers(name, array)
+    """Return an array of float64 in C order that nobody else changes, unless ``copy`` is false.
+
+    Missing values are holes, NaN.
+    """
+    values = numbers(name, array, np.nan)
     return values.copy() if copy and np.may_share_memory(values, np.asarray(array)) else values
 
 
@@ -78,23 +82,11 @@ class Surface:
 
     @staticmethod
     def _made(
-        compiled: "_geosweep.Surface",
-        mask: ArrayLike | None,
-        slowness: ArrayLike | None,
-        edges: str,
-        glue: Glue | None,
+        compiled: "_geosweep.Surface", inputs: Inputs, edges: str, glue: Glue | None
     ) -> "Surface":
         if edges not in ("arc", "chord"):
             refuse("edges", edges, "'arc' or 'chord'")
-        points = None
-        if mask is not None:
-            points = flags("mask", mask)
-        slow = None if slowness is None else numbers("slowness", slowness)
-        for name, array in (("mask", points), ("slowness", slow)):
-            if array is not None and array.shape != compiled.shape:
-                raise ValueError(
-                    f"{name} must have the grid's shape {compiled.shape}, not {array.shape}"
-                )
+        points, slow = inputs.on(compiled.shape)
         if points is not None or slow is not None or edges == "chord":
             compiled = compiled.with_inputs(points, slow, edges == "chord")
         if glue is not None:
@@ -105,10 +97,12 @@ class Surface:
     def from_heights(
         cls,
         heights: ArrayLike,
-        spacing: Spacing = 1.0,
+        spacing: Spacing | None = None,
         *,
         mask: ArrayLike | None = None,
+        holes: ArrayLike | None = None,
         slowness: ArrayLike | None = None,
+        speed: ArrayLike | None = None,
         edges: str = "arc",
         glue: Glue | None = None,
         copy: bool = True,
@@ -118,14 +112,23 @@ class Surface:
         Parameters
         ----------
         heights
-            Heights (M, N). NaN is a hole.
+            Heights (M, N). NaN is a hole, and so is a value that is missing: one that a NumPy array
+            masks, or an array of xarray names as its fill value.
         spacing
             Distance of rows and of columns in the unit of the heights. It is in the order of the
-            axes, (dy, dx), as in scikit-fmm and scikit-image. The command-line tool takes DX,DY.
+            axes, (dy, dx), as in scikit-fmm and scikit-image. The command-line tool takes DX,DY. By
+            default it is that of the coordinates of an array of xarray, which must run north to
+            south and west to east, and otherwise 1.
         mask
-            Mask (M, N) that is false at holes.
+            Mask (M, N) that is true where there are points and false at holes, the reverse of
+            NumPy's masks. NaN and missing values are holes.
+        holes
+            Mask (M, N) that is true at holes, like NumPy's masks.
         slowness
-            Reciprocal speed (M, N): distances become travel times.
+            Reciprocal speed (M, N): distances become travel times. Infinite, NaN and missing values
+            are walls.
+        speed
+            Speed (M, N), the reciprocal of a slowness. Zero, NaN and missing values are walls.
         edges
             ``"arc"`` measures edges along the smooth surface, ``"chord"`` straight through space.
         glue
@@ -134,11 +137,17 @@ class Surface:
             Whether to copy the heights. Otherwise an array of float64 in C order is read where
             it is, and must not change while the surface is used.
         """
+        inputs = Inputs(mask, holes, slowness, speed)
+        if is_data_array(heights):
+            from .xarray import inputs_like, spacing_of
+
+            inputs = inputs_like(heights, inputs)
+            spacing = spacing_of(heights) if spacing is None else spacing
         values = _kept("heights", heights, copy)
         if values.ndim != 2:
             raise ValueError(f"heights must have the shape (M, N), not {values.shape}")
-        made = _geosweep.Surface.heights(values, *_steps(spacing))
-        return cls._made(made, mask, slowness, edges, glue)
+        made = _geosweep.Surface.heights(values, *_steps(1.0 if spacing is None else spacing))
+        return cls._made(made, inputs, edges, glue)
 
     @classmethod
     def from_positions(
@@ -146,7 +155,9 @@ class Surface:
         positions: ArrayLike,
         *,
         mask: ArrayLike | None = None,
+        holes: ArrayLike | None = None,
         slowness: ArrayLike | None = None,
+        speed: ArrayLike | None = None,
         edges: str = "arc",
         glue: Glue | None = None,
         copy: bool = True,
@@ -156,8 +167,8 @@ class Surface:
         Parameters
         ----------
         positions
-            Coordinates (M, N, 3). A point with a NaN is a hole.
-        mask, slowness, edges, glue, copy
+            Coordinates (M, N, 3). A point with a NaN or a missing value is a hole.
+        mask, holes, slowness, speed, edges, glue, copy
             As in `from_heights`.
 
         Warns
@@ -180,7 +191,8 @@ class Surface:
         values = _kept("positions", positions, copy)
         if values.ndim != 3 or values.shape[2] != 3:
             raise ValueError(f"positions must have the shape (M, N, 3), not {values.shape}")
-        made = cls._made(_geosweep.Surface.positions(values), mask, slowness, edges, glue)
+        compiled = _geosweep.Surface.positions(values)
+        made = cls._made(compiled, Inputs(mask, holes, slowness, speed), edges, glue)
         open_seams = [seam for seam in made.seams if "single point" not in seam]
         if open_seams:
             warnings.warn(
@@ -197,7 +209,9 @@ class Surface:
         metric: ArrayLike,
         *,
         mask: ArrayLike | None = None,
+        holes: ArrayLike | None = None,
         slowness: ArrayLike | None = None,
+        speed: ArrayLike | None = None,
         glue: Glue | None = None,
     ) -> "Surface":
         """Make a surface from its metric in steps of rows and columns.
@@ -205,7 +219,7 @@ class Surface:
         The metric is (M, N, 2, 2), or (M, N, 3) with the entries row-row, row-column and
         column-column.
         """
-        values = numbers("metric", metric)
+        values = numbers("metric", metric, np.nan)
         if values.ndim == 4 and values.shape[2:] == (2, 2):
             if not np.array_equal(values[..., 0, 1], values[..., 1, 0], equal_nan=True):
                 raise ValueError("metric must be symmetric: its entries 0, 1 and 1, 0 differ")
@@ -214,7 +228,8 @@ class Surface:
             raise ValueError(
                 f"metric must have the shape (M, N, 2, 2) or (M, N, 3), not {values.shape}"
             )
-        return cls._made(_geosweep.Surface.metric(values), mask, slowness, "arc", glue)
+        inputs = Inputs(mask, holes, slowness, speed)
+        return cls._made(_geosweep.Surface.metric(values), inputs, "arc", glue)
 
     def with_gluing(self, glue: Glue) -> "Surface":
         """Return the surface with sides of the grid joined, where the surface is closed.
@@ -278,20 +293,24 @@ class Surface:
         strict: bool = False,
         progress: Progress | None = None,
         out: NDArray[Any] | None = None,
+        labels: Any = None,
+        sources_outside: Literal["refuse", "skip", "snap"] = "refuse",
     ) -> DistanceMap:
         """Compute the distance from the sources to every point.
 
         Parameters
         ----------
         source
-            (row, col); (n, 2); (n, 3) with start times; `Lines`; or a boolean or integer raster
-            (M, N), whose cells other than zero are sources.
+            (row, col); (n, 2); (n, 3) with start times; `Lines`; a table with columns row and col,
+            and perhaps start; or a boolean or integer raster (M, N), whose cells other than zero
+            and missing ones are sources. Rows of an array with a masked number are left out.
         wavefront
             Front assumed inside a triangle.
         engine
             ``"cpu"``, ``"gpu"`` (a Vulkan device) or ``"auto"``.
         device
-            Index, or a part of the name, of the Vulkan device; see `devices`.
+            Index, or a part of the name, of the Vulkan device; see `devices`. It implies
+            ``engine="gpu"``.
         dtype
             Precision of the map: ``"float32"``, or on the CPU ``"float64"``.
         tolerance, iterations
@@ -311,18 +330,29 @@ class Surface:
             Called with the number of iterations and the last change, some 50 times a second.
         out
             Array (M, N) of ``dtype`` that takes the distances.
+        labels
+            Values that `DistanceMap.nearest` brings back in place of the sources' numbers: one for
+            each source, the name of a column of the table, or for a raster of sources a raster of
+            labels, which may be the same one.
+        sources_outside
+            What becomes of points outside the grid or in holes: they are an error, left out
+            (``"skip"``), or moved to the nearest point of the surface (``"snap"``).
         """
         double = _precision(dtype, out, self.shape)
         chosen = settings(
             engine, device, wavefront, tolerance, iterations, threads, radius, targets, needed
         )
-        problem = (*native(source, self.shape), chosen, double)
+        if sources_outside not in ("refuse", "skip", "snap"):
+            refuse("sources_outside", sources_outside, "'refuse', 'skip' or 'snap'")
+        sources = on_surface(placed(source, self.shape), self._surface, sources_outside)
+        names = None if labels is None else labels_of(labels, source, sources, self.shape)
+        problem = (sources.points, sources.lines, chosen, double)
         found = self._surface.solve(problem, progress)
         report = found.report
         check(report["converged"], report, strict)
         if out is not None:
             np.copyto(out, found.distance)
-        return DistanceMap(self._surface, found, problem, out)
+        return DistanceMap(self, found, problem, sources, names, out)
 
     def farthest_points(self, source: Source, count: int) -> tuple[NDArray[np.int64], float]:
         """Sample the surface evenly.
@@ -358,7 +388,7 @@ def _restored(
     else:
         make = _geosweep.Surface.positions if kind == "positions" else _geosweep.Surface.metric
         compiled = make(values.reshape(*shape, 3))
-    surface = Surface._made(compiled, present, slowness, edges, None)
+    surface = Surface._made(compiled, Inputs(mask=present, slowness=slowness), edges, None)
     for glue in glued:
         surface = surface.with_gluing(glue)
     return surface
@@ -368,13 +398,14 @@ def _precision(dtype: DTypeLike, out: object, shape: tuple[int, ...]) -> bool:
     """Return whether maps are in double precision; check that ``out``, if given, can take one."""
     double = is_double(dtype)
     if out is not None:
-        _check_out(out, shape, np.float64 if double else np.float32)
+        check_out(out, shape, np.float64 if double else np.float32)
     return double
 
 
-def _check_out(out: object, shape: tuple[int, ...], dtype: type[np.generic]) -> None:
-    if not isinstance(out, np.ndarray):
-        raise TypeError(f"out must be a NumPy array, not {type(out).__name__}")
+def check_out(out: object, shape: tuple[int, ...], dtype: DTypeLike) -> None:
+    """Check that an array can take results."""
+    if not isinstance(out, np.ndarray) or isinstance(out, np.ma.MaskedArray):
+        raise TypeError(f"out must be a plain NumPy array, not {type(out).__name__}")
     if out.shape != shape or out.dtype != dtype or not out.flags.writeable:
         raise ValueError(
             f"out must be a writeable array of {np.dtype(dtype)} with the shape {shape}, not of "
@@ -385,10 +416,12 @@ def _check_out(out: object, shape: tuple[int, ...], dtype: type[np.generic]) -> 
 def distance(
     heights: ArrayLike,
     source: Source,
-    spacing: Spacing = 1.0,
+    spacing: Spacing | None = None,
     *,
     mask: ArrayLike | None = None,
+    holes: ArrayLike | None = None,
     slowness: ArrayLike | None = None,
+    speed: ArrayLike | None = None,
     edges: str = "arc",
     glue: Glue | None = None,
     wavefront: Wavefront = "auto",
@@ -404,6 +437,7 @@ def distance(
     strict: bool = False,
     progress: Progress | None = None,
     out: NDArray[Any] | None = None,
+    sources_outside: Literal["refuse", "skip", "snap"] = "refuse",
 ) -> NDArray[Any]:
     """Compute the distance (M, N) from the sources over a height field.
 
@@ -411,13 +445,24 @@ def distance(
     C order is not copied. The result is inf where no source reaches.
     """
     surface = Surface.from_heights(
-        heights, spacing, mask=mask, slowness=slowness, edges=edges, glue=glue, copy=False
+        heights,
+        spacing,
+        mask=mask,
+        holes=holes,
+        slowness=slowness,
+        speed=speed,
+        edges=edges,
+        glue=glue,
+        copy=False,
     )
     double = _precision(dtype, out, surface.shape)
     chosen = settings(
         engine, device, wavefront, tolerance, iterations, threads, radius, targets, needed
     )
-    problem = (*native(source, surface.shape), chosen, double)
+    if sources_outside not in ("refuse", "skip", "snap"):
+        refuse("sources_outside", sources_outside, "'refuse', 'skip' or 'snap'")
+    sources = on_surface(placed(source, surface.shape), surface._surface, sources_outside)
+    problem = (sources.points, sources.lines, chosen, double)
     found, report = surface._surface.distances(problem, progress)
     check(report["converged"], report, strict)
     if out is None:
@@ -430,10 +475,12 @@ def route(
     heights: ArrayLike,
     start: tuple[float, float],
     end: tuple[float, float],
-    spacing: Spacing = 1.0,
+    spacing: Spacing | None = None,
     *,
     mask: ArrayLike | None = None,
+    holes: ArrayLike | None = None,
     slowness: ArrayLike | None = None,
+    speed: ArrayLike | None = None,
 ) -> tuple[Floats, float]:
     """Find the shortest path over a height field.
 
@@ -444,7 +491,9 @@ def route(
     length
         Length of the path; with a slowness, its travel time.
     """
-    surface = Surface.from_heights(heights, spacing, mask=mask, slowness=slowness, copy=False)
+    surface = Surface.from_heights(
+        heights, spacing, mask=mask, holes=holes, slowness=slowness, speed=speed, copy=False
+    )
     path = surface.solve(end).paths([start])[0]
     return path.vertices, path.length
 

@@ -16,6 +16,10 @@ class SeamWarning(UserWarning):
     """The surface is closed where the grid ends, and not glued."""
 
 
+class ScaleWarning(UserWarning):
+    """Lengths on a map projection differ from those on the ground."""
+
+
 def check(converged: bool, report: Mapping[str, object], strict: bool) -> None:
     """Warn or raise if a computation has not converged."""
     if converged:

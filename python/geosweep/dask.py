@@ -145,7 +145,8 @@ def _check(options: dict[str, Any]) -> None:
     for name in ("out", "progress"):
         if name in options:
             raise TypeError(f"{name} has no meaning for Dask's arrays; leave it out")
-    settings(**{key: value for key, value in options.items() if key != "strict"})
+    others = ("strict", "sources_outside")
+    settings(**{key: value for key, value in options.items() if key not in others})
 
 
 def _sizes(count: int, chunk: int) -> tuple[int, ...]:

@@ -8,19 +8,25 @@
 450
 """
 
+import re
+import warnings
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _frames, _plot
-from ._arrays import Floats, numbers
+from . import _frames, _geosweep, _plot
+from ._arrays import Floats, flags, given, numbers
+from ._attributes import OF_VALUES
+from ._inputs import Inputs
 from ._map import DistanceMap
 from ._optional import needed
 from ._place import Place
-from ._sources import Lines, Mixed, Source
-from ._surface import Surface
+from ._settings import grid_points
+from ._sources import Lines, Placed, Source, columns_of, is_frame, points_of, refuse_apart
+from ._surface import Surface, check_out
+from ._warnings import ScaleWarning
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -31,19 +37,8 @@ else:
 
 _X = {"x", "lon", "longitude", "easting"}
 _Y = {"y", "lat", "latitude", "northing"}
-# Attributes that describe the values of the heights. Results do not take them over.
-_OF_VALUES = {
-    "long_name",
-    "standard_name",
-    "scale_factor",
-    "add_offset",
-    "_FillValue",
-    "missing_value",
-    "valid_min",
-    "valid_max",
-    "valid_range",
-    "actual_range",
-}
+# Names of the columns of tables.
+_XY = (("x", "easting", "east"), ("y", "northing", "north"))
 # The largest accepted deviation of a coordinate from even spacing, as a fraction of a step.
 _UNEVEN = 1e-3
 
@@ -63,23 +58,42 @@ class _Grid:
         """Return the values of an array of the template's shape in the order of the grid."""
         if isinstance(array, xr.DataArray):
             array = _like(name, array, self.template)
-        values = np.asarray(array)
+        values = given(name, array)
         if values.shape not in (self.template.shape, self.template.shape[-2:]):
             shape = self.template.shape
             raise ValueError(f"{name} must have the array's shape {shape}, not {values.shape}")
         values = values.reshape(self.template.shape[-2:])
         return (values.T if self.turned else values)[self.flips]
 
-    def back(self, name: str, values: NDArray[Any], description: str) -> "xr.DataArray":
-        """Return values on the grid as an array with the template's coordinates and attributes."""
+    def points(self, name: str, indices: ArrayLike) -> NDArray[np.int64]:
+        """Return rows and columns (n, 2) on the grid, from indices along the array's own axes."""
+        points = grid_points(name, indices)
+        if (points >= self.template.shape[-2:]).any():
+            shape = self.template.shape[-2:]
+            raise ValueError(f"{name} must be indices into the array, whose shape is {shape}")
+        points = points[:, ::-1] if self.turned else points
+        last = np.subtract(self.place.shape, 1)
+        backwards = [axis.step == -1 for axis in self.flips]
+        return np.where(backwards, last - points, points)
+
+    def back(
+        self, name: str, values: NDArray[Any], description: str, units: str | None
+    ) -> "xr.DataArray":
+        """Return values on the grid as an array with the template's coordinates and attributes.
+
+        ``units`` is the unit of the values, or None if they have none.
+        """
         values = values[self.flips]
         values = np.ascontiguousarray(values.T if self.turned else values)
         made = self.template.copy(data=values.reshape(self.template.shape)).rename(name)
         made.attrs = {
             key: value
             for key, value in self.template.attrs.items()
-            if key not in _OF_VALUES and not key.startswith("STATISTICS_")
+            if key not in OF_VALUES and not key.startswith("STATISTICS_")
         } | {"long_name": description}
+        made.attrs.pop("units", None)
+        if units is not None:
+            made.attrs["units"] = units
         kept = {"grid_mapping", "coordinates"}
         made.encoding = {key: made.encoding[key] for key in kept if key in made.encoding}
         if values.dtype.kind == "f":
@@ -90,12 +104,15 @@ class _Grid:
 def _like(name: str, array: "xr.DataArray", template: "xr.DataArray") -> "xr.DataArray":
     """Return an array with its dimensions in the template's order.
 
-    Its coordinates must be those of the template.
+    Its coordinates must be those of the template, in either order.
     """
     try:
         array = array.squeeze(drop=True).transpose(*template.dims[-2:])
+        for dim in set(template.dims[-2:]) & set(array.coords) & set(template.coords):
+            if array.sizes[dim] == template.sizes[dim]:
+                array = array.sel({dim: template.coords[dim].values})
         xr.align(array, template.squeeze(drop=True), join="exact", copy=False)
-    except ValueError as error:
+    except (KeyError, ValueError) as error:
         raise ValueError(f"{name} must have the coordinates of the heights: {error}") from error
     return array
 
@@ -114,24 +131,86 @@ def _crs(da: "xr.DataArray") -> str | None:
     return None if found is None else str(found)
 
 
-def _steps(da: "xr.DataArray", dim: str) -> tuple[float, float]:
-    """Return the first coordinate along a dimension, and the step between coordinates."""
+@dataclass(frozen=True)
+class _Axis:
+    """The coordinates along a dimension, which are evenly spaced up to their rounding."""
+
+    first: float
+    step: float
+    stored: Floats
+    is_rounded: bool
+
+
+def _axis(da: "xr.DataArray", dim: str) -> _Axis:
+    """Return the coordinates along a dimension."""
     if dim not in da.coords:
         raise ValueError(
             f"the array has no coordinates along {dim!r}; assign them, or use geosweep.distance"
         )
-    values = da.coords[dim].values
-    if values.dtype.kind not in "iuf" or len(values) < 2:
+    given_values = da.coords[dim].values
+    if given_values.dtype.kind not in "iuf" or len(given_values) < 2:
         raise ValueError(f"{dim!r} must have two coordinates or more, which are numbers")
-    values = values.astype(np.float64)
+    values = given_values.astype(np.float64)
     step = (values[-1] - values[0]) / (len(values) - 1)
     even = values[0] + step * np.arange(len(values))
-    if step == 0 or not (np.abs(values - even) <= _UNEVEN * abs(step)).all():
+    rounding = 0.0
+    if given_values.dtype.kind == "f":
+        rounding = float(np.finfo(given_values.dtype).eps * np.abs(values).max())
+    if 2 * rounding > abs(step) > 0:
+        raise ValueError(
+            f"the coordinates along {dim!r} are {given_values.dtype}, whose rounding of "
+            f"{rounding:.2g} hides their step; assign them in float64"
+        )
+    if step == 0 or not (np.abs(values - even) <= max(_UNEVEN * abs(step), rounding)).all():
         raise ValueError(
             f"the coordinates along {dim!r} are not evenly spaced; resample them, or give the "
             "points to geosweep.Surface.from_positions"
         )
-    return float(values[0]), float(step)
+    return _Axis(float(values[0]), float(step), values, rounding > _UNEVEN * abs(step))
+
+
+# The units of lengths that attributes name, in metres.
+_LENGTHS = {
+    **dict.fromkeys(("m", "metre", "metres", "meter", "meters"), 1.0),
+    **dict.fromkeys(("km", "kilometre", "kilometres", "kilometer", "kilometers"), 1000.0),
+    **dict.fromkeys(("cm", "centimetre", "centimetres", "centimeter", "centimeters"), 0.01),
+    **dict.fromkeys(("mm", "millimetre", "millimetres", "millimeter", "millimeters"), 0.001),
+    **dict.fromkeys(("ft", "foot", "feet", "international_foot"), 0.3048),
+    **dict.fromkeys(("us_survey_foot", "us survey foot", "us_ft", "us-ft", "ftus"), 1200 / 3937),
+    **dict.fromkeys(("mi", "mile", "miles"), 1609.344),
+}
+
+
+def _check_units(da: "xr.DataArray", dims: tuple[str, str]) -> None:
+    """Check that coordinates and heights have one unit, where attributes name both."""
+    named = {str(dim): str(da.coords[dim].attrs.get("units", "")).strip() for dim in dims}
+    named["the heights"] = str(da.attrs.get("units", "")).strip()
+    known = {
+        name: _LENGTHS[unit.lower()] for name, unit in named.items() if unit.lower() in _LENGTHS
+    }
+    if len(set(known.values())) > 1:
+        said = ", ".join(f"{name} in {named[name]}" for name in known)
+        raise ValueError(
+            f"coordinates and heights have different units ({said}); convert one of them"
+        )
+
+
+def _warn_of_scale(place: Place) -> None:
+    """Warn if lengths on the map are not those on the ground."""
+    found = re.findall(r'(?:AUTHORITY|ID)\["EPSG",\s*"?(\d+)"?\]\s*\]\s*$', place.crs or "")
+    if not found or int(found[-1]) > 32766:
+        return
+    at = (place.x0, place.y0, place.dx, place.dy, *place.shape)
+    scale = _geosweep.map_scale(int(found[-1]), at)
+    if scale is not None:
+        projection, least, largest = scale
+        warnings.warn(
+            f"the {projection} map has a scale of {least:.3f} to {largest:.3f} here, so that "
+            "distances on it are that many times those on the ground; project the array for its "
+            "area, with rioxarray: da.rio.reproject(da.rio.estimate_utm_crs())",
+            ScaleWarning,
+            stacklevel=5,
+        )
 
 
 def _refuse_degrees(da: "xr.DataArray", dims: tuple[str, str], crs: str | None) -> None:
@@ -155,25 +234,48 @@ def _grid(da: "xr.DataArray") -> _Grid:
     first, second = (str(dim) for dim in da.dims[-2:])
     turned = first.lower() in _X or second.lower() in _Y
     y, x = (second, first) if turned else (first, second)
-    (y0, dy), (x0, dx) = _steps(da, y), _steps(da, x)
+    ys, xs = _axis(da, y), _axis(da, x)
+    (y0, dy), (x0, dx) = (ys.first, ys.step), (xs.first, xs.step)
     crs = _crs(da)
     _refuse_degrees(da, (y, x), crs)
+    _check_units(da, (y, x))
     shape = (da.sizes[y], da.sizes[x])
     # Rows run to the south, columns to the east.
     top = y0 if dy < 0 else y0 + dy * (shape[0] - 1)
     left = x0 if dx > 0 else x0 + dx * (shape[1] - 1)
     flips = (slice(None, None, 1 if dy < 0 else -1), slice(None, None, 1 if dx > 0 else -1))
-    return _Grid(da, Place(left, top, abs(dx), abs(dy), shape, crs), turned, flips)
+    stored = (ys.stored[flips[0]], xs.stored[flips[1]])
+    rounded = stored if ys.is_rounded or xs.is_rounded else None
+    place = Place(left, top, abs(dx), abs(dy), shape, crs, rounded)
+    _warn_of_scale(place)
+    return _Grid(da, place, turned, flips)
 
 
-def _without_fill(da: "xr.DataArray", values: NDArray[Any]) -> Floats:
-    """Return heights as float64, with NaN in place of the values that stand for holes."""
-    heights = numbers("heights", values)
-    for key in ("_FillValue", "missing_value"):
-        if key in da.attrs:
-            fill = np.asarray(da.attrs[key], dtype=np.float64)
-            heights = np.where(np.isin(heights, fill), np.nan, heights)
-    return heights
+def spacing_of(da: "xr.DataArray") -> tuple[float, float] | None:
+    """Return the distance of rows and of columns of an array, or None if it has no coordinates.
+
+    Raise ValueError if the array is not north up, so that its rows and columns would be mistaken
+    for those of a map.
+    """
+    if da.ndim < 2 or not any(dim in da.coords for dim in da.dims[-2:]):
+        return None
+    grid = _grid(da)
+    if grid.turned or any(axis.step == -1 for axis in grid.flips):
+        raise ValueError(
+            "heights: the array's rows do not run north to south and its columns west to east, as "
+            "its coordinates tell; use heights.geosweep, which turns it, or give the spacing"
+        )
+    return grid.place.dy, grid.place.dx
+
+
+def inputs_like(da: "xr.DataArray", inputs: Inputs) -> Inputs:
+    """Return inputs in the order of an array's axes. Arrays must have its coordinates."""
+    return Inputs(
+        **{
+            name: _like(name, array, da) if isinstance(array, xr.DataArray) else array
+            for name, array in inputs.given().items()
+        }
+    )
 
 
 class GeoMap:
@@ -184,32 +286,40 @@ class GeoMap:
         self.map = map_
         """The map on the grid, with rows from north to south and columns from west to east."""
 
+    def __repr__(self) -> str:
+        return f"<geosweep.xarray.GeoMap of {self.map!r}>"
+
     @property
     def distance(self) -> "xr.DataArray":
         """Distances, NaN where no source reaches, with the coordinates of the heights."""
         found = self.map.distance
         shown = np.where(np.isfinite(found), found, np.asarray(np.nan, found.dtype))
-        return self._grid.back("distance", shown, "geodesic distance")
+        what = "travel time" if self._is_slowed else "geodesic distance"
+        return self._grid.back("distance", shown, what, self._units)
 
     @property
     def nearest(self) -> "xr.DataArray":
         """Index of the nearest source; -1 where no source reaches."""
-        return self._grid.back("nearest", self.map.nearest, "index of the nearest source")
+        what = "number of the nearest source" if self.map._labels is None else "nearest source"
+        return self._grid.back("nearest", self.map.nearest, what, None)
 
     def back_direction(self, unit: Literal["compass", "grass"] = "compass") -> "xr.DataArray":
         """Return the bearing of the way back in degrees; see `DistanceMap.back_direction`."""
         if unit not in ("compass", "grass"):
             raise ValueError(f"unit={unit!r} is unknown; choose 'compass' or 'grass'")
         found = self.map.back_direction(unit)
-        return self._grid.back("back_direction", found, "direction of the way back, in degrees")
+        what = "direction of the way back, in degrees"
+        return self._grid.back("back_direction", found, what, "degree")
 
     def back_link(self) -> "xr.DataArray":
         """Return the code of the next grid point on the way back; see `DistanceMap.back_link`."""
-        return self._grid.back("back_link", self.map.back_link(), "next cell on the way back")
+        what = "next cell on the way back"
+        return self._grid.back("back_link", self.map.back_link(), what, None)
 
     def error(self) -> "xr.DataArray":
         """Estimate the error of each distance; see `DistanceMap.error`."""
-        return self._grid.back("error", self.map.error(), "estimated error of the distance")
+        what = "estimated error of the distance"
+        return self._grid.back("error", self.map.error(), what, self._units)
 
     def paths(self, ends_xy: "ArrayLike | GeoDataFrame") -> "GeoDataFrame":
         """Trace the shortest path from each end, given as x and y (n, 2) or a table of points.
@@ -230,7 +340,7 @@ class GeoMap:
         The area is measured on the surface. `borders` returns the borders themselves, which run
         between the points.
         """
-        return _frames.regions_table(self.map.voronoi(), self._place)
+        return _frames.regions_table(self.map.voronoi(), self._place, self.map._labels)
 
     def borders(self) -> "GeoDataFrame":
         """Return the curves between the regions of two sources."""
@@ -261,8 +371,24 @@ class GeoMap:
         return ax
 
     @property
+    def _is_slowed(self) -> bool:
+        return self.map._surface.slowness is not None
+
+    @property
+    def _units(self) -> str | None:
+        """The unit of distances, which is that of the heights; None for travel times."""
+        units = self._grid.template.attrs.get("units")
+        return None if units is None or self._is_slowed else str(units)
+
+    @property
     def _place(self) -> Place:
         return self._grid.place
+
+
+def _column(table: Any, name: str) -> Any:
+    if name not in table.columns:
+        raise ValueError(f"labels={name!r} is not a column of the table of sources")
+    return np.asarray(table[name])
 
 
 def _ends(ends: Any, place: Place) -> Floats:
@@ -285,61 +411,72 @@ class Accessor:
     def __init__(self, da: "xr.DataArray") -> None:
         self._da = da
 
-    def _source(self, source: Any, grid: _Grid) -> Source:
+    def _source(self, source: Any, grid: _Grid, strict: bool) -> Source:
         place = grid.place
         if _frames.is_table(source):
-            return _frames.sources_of(source, place)
+            return _frames.sources_of(source, place, strict)
+        if _frames.is_shape(source):
+            shapes = list(source) if isinstance(source, (list, tuple)) else [source]
+            return _frames.sources_of_shapes(shapes, np.zeros(len(shapes)), place, strict)
         if isinstance(source, Lines):
             lines = [place.to_grid("source", numbers("source", xy)) for xy in source.vertices]
             return Lines(lines, source.starts)
         if isinstance(source, xr.DataArray) or np.shape(source) == self._da.shape:
-            cells: NDArray[np.bool_] = grid.north_up("source", source) != 0
-            return cells
-        array = np.atleast_2d(numbers("source", source))
-        if array.ndim != 2 or array.shape[1] not in (2, 3):
+            return flags("source", grid.north_up("source", source))
+        refuse_apart(source)
+        if is_frame(source):
+            source = columns_of(source, _XY, "map coordinates: x and y, or easting and northing")
+        found = points_of(given("source", source))
+        if not isinstance(found, Placed):
             raise ValueError(
                 "source must be (x, y), an array (n, 2), an array (n, 3) with start times, Lines, "
-                f"a GeoDataFrame, or a raster like the heights, not of the shape {array.shape}"
+                "a table, geometries, or a raster like the heights, not of the shape "
+                f"{np.shape(source)}"
             )
-        starts = array[:, 2] if array.shape[1] == 3 else np.zeros(len(array))
-        return Mixed(np.column_stack([place.to_grid("source", array[:, :2]), starts]), [])
+        places = place.to_grid("source", found.points[:, :2], strict)
+        points = np.column_stack([places, found.points[:, 2]])
+        return Placed(points, rows=found.rows, count=found.count)
 
     def surface(
         self,
         *,
         mask: ArrayLike | None = None,
+        holes: ArrayLike | None = None,
         slowness: ArrayLike | None = None,
+        speed: ArrayLike | None = None,
         edges: str = "arc",
     ) -> Surface:
         """Return the surface, with rows to the south and columns to the east.
 
         Parameters
         ----------
-        mask, slowness
+        mask, holes, slowness, speed
             As in `Surface.from_heights`, with the array's shape or as DataArrays.
         edges
             As in `Surface.from_heights`.
         """
-        return self._surface(_grid(self._da), mask, slowness, edges)
+        inputs = Inputs(mask, holes, slowness, speed)
+        return self._surface(_grid(self._da), inputs, edges)
 
-    def _surface(
-        self, grid: _Grid, mask: ArrayLike | None, slowness: ArrayLike | None, edges: str
-    ) -> Surface:
-        return Surface.from_heights(
-            _without_fill(self._da, grid.north_up("heights", self._da)),
-            (grid.place.dy, grid.place.dx),
-            mask=None if mask is None else grid.north_up("mask", mask),
-            slowness=None if slowness is None else grid.north_up("slowness", slowness),
-            edges=edges,
-        )
+    def _surface(self, grid: _Grid, inputs: Inputs, edges: str) -> Surface:
+        on_grid: dict[str, Any] = {
+            name: grid.north_up(name, array) for name, array in inputs.given().items()
+        }
+        heights = grid.north_up("heights", self._da)
+        return Surface.from_heights(heights, (grid.place.dy, grid.place.dx), edges=edges, **on_grid)
 
     def solve(
         self,
         source_xy: Any,
         *,
         mask: ArrayLike | None = None,
+        holes: ArrayLike | None = None,
         slowness: ArrayLike | None = None,
+        speed: ArrayLike | None = None,
         edges: str = "arc",
+        labels: Any = None,
+        targets: ArrayLike | None = None,
+        out: NDArray[Any] | None = None,
         **options: Any,
     ) -> GeoMap:
         """Compute a map with coordinates, for paths, contours, regions and pictures.
@@ -348,15 +485,37 @@ class Accessor:
         ----------
         source_xy
             (x, y); (n, 2); (n, 3) with start times; `Lines` of x and y; a GeoDataFrame of points
-            and lines, perhaps with a column ``start``; or a raster like the heights.
-        mask, slowness, edges
+            and lines, or a DataFrame with columns x and y, perhaps with a column ``start``;
+            geometries of shapely; or a raster like the heights, whose cells other than zero, NaN
+            and missing ones are sources.
+        mask, holes, slowness, speed, edges
             As in `surface`.
+        labels
+            As in `Surface.solve`: a value for each source, the name of a column of a table, or a
+            raster like the heights.
+        targets
+            As in `Surface.solve`: integers (n, 2), indices along the axes of this array.
+        out
+            Array of this array's shape that takes the distances as `distance` returns them.
         options
             As in `Surface.solve`.
         """
         grid = _grid(self._da)
-        surface = self._surface(grid, mask, slowness, edges)
-        return GeoMap(grid, surface.solve(self._source(source_xy, grid), **options))
+        surface = self._surface(grid, Inputs(mask, holes, slowness, speed), edges)
+        if targets is not None:
+            options["targets"] = grid.points("targets", targets)
+        if out is not None:
+            check_out(out, self._da.shape, np.dtype(options.get("dtype", np.float32)))
+        strict = options.get("sources_outside", "refuse") == "refuse"
+        source = self._source(source_xy, grid, strict)
+        if isinstance(labels, str) and hasattr(source_xy, "columns"):
+            labels = _column(source_xy, labels)
+        elif isinstance(labels, xr.DataArray) or np.shape(labels) == self._da.shape:
+            labels = grid.north_up("labels", labels)
+        found = GeoMap(grid, surface.solve(source, labels=labels, **options))
+        if out is not None:
+            np.copyto(out, found.distance.values)
+        return found
 
     def distance(self, source_xy: Any, **options: Any) -> "xr.DataArray":
         """Compute distances, NaN where no source reaches.

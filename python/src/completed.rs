@@ -1,6 +1,6 @@
 //! Completes grids of closed surfaces that lack lines which gluing needs.
 
-use geosweep::surface::Layout;
+use geosweep::surface::{LastLine, Layout};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
 
@@ -17,9 +17,16 @@ pub struct CompletedGrid {
 impl CompletedGrid {
     /// Finds the lines that the grid of an open surface lacks.
     #[new]
-    fn new(py: Python<'_>, surface: &Surface, layout: &str) -> PyResult<Self> {
+    #[pyo3(signature = (surface, layout, last=None))]
+    fn new(py: Python<'_>, surface: &Surface, layout: &str, last: Option<&str>) -> PyResult<Self> {
         let layout = named(layout)?;
-        let find = || geosweep::surface::CompletedGrid::new(&surface.inner.surface, layout);
+        let surface = surface.inner.surface();
+        use geosweep::surface::CompletedGrid as Found;
+        let find = || match last {
+            None => Found::new(surface, layout),
+            Some("repeated") => Found::with_last_line(surface, layout, LastLine::Repeats),
+            Some(_) => Found::with_last_line(surface, layout, LastLine::IsApart),
+        };
         Ok(Self { grid: work::detached(py, find)?.map_err(errors::value)? })
     }
 
@@ -35,7 +42,7 @@ impl CompletedGrid {
 
     /// Returns the completed and glued surface.
     fn complete(&self, py: Python<'_>, surface: &Surface) -> PyResult<Surface> {
-        let complete = || self.grid.complete(&surface.inner.surface);
+        let complete = || self.grid.complete(surface.inner.surface());
         Ok(work::detached(py, complete)?.map_err(errors::value)?.into())
     }
 

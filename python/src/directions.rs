@@ -16,9 +16,13 @@ type NearestItems<'py> = (Bound<'py, PyArray2<i32>>, Bound<'py, PyArray3<f64>>);
 /// Returns the nearest source of each point, and the place on it (M, N, 2).
 #[pyfunction]
 pub fn nearest<'py>(py: Python<'py>, map: &Map) -> PyResult<NearestItems<'py>> {
-    let found = map.read(py, |edges, single| {
-        Nearest::new(&map.on.surface, edges, &map.sources, &single.distances)
+    let found = work::stoppable(py, |monitor| {
+        let edges = map.on.edges().map_err(|error| error.to_string())?;
+        let distances = &map.single().distances;
+        let found = Nearest::watched(map.on.surface(), edges, &map.sources, distances, monitor);
+        found.map_err(|error| error.to_string())
     })?;
+    let found = found.map_err(errors::value)?;
     let shape = map.on.shape();
     let places = arrays::vectors_handed_over(py, shape, found.places)?;
     Ok((arrays::handed_over(py, shape, found.sources)?, places))
@@ -31,7 +35,7 @@ fn on_ways<T: Send>(
     read: impl FnOnce(&BackDirections<'_>) -> T + Send,
 ) -> PyResult<T> {
     map.read(py, |edges, single| {
-        BackDirections::new(&map.on.surface, edges, &map.sources, &single.distances)
+        BackDirections::new(map.on.surface(), edges, &map.sources, &single.distances)
             .map(|ways| read(&ways))
     })
 }
@@ -74,11 +78,11 @@ pub fn signed<'py>(
     inside: Option<PyReadonlyArray2<'py, bool>>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let inside: Option<Vec<bool>> = inside.map(|mask| mask.as_array().iter().copied().collect());
-    let (chart, shape) = (map.on.surface.chart(), map.on.shape());
+    let (chart, shape) = (map.on.surface().chart(), map.on.shape());
     Ok(in_either!(&map.distances, values => {
         let found = work::detached(py, || match &inside {
             Some(inside) => signed_distances_by_mask(chart, &values.distances, inside),
-            None => signed_distances(&map.on.surface, &map.sources, &values.distances),
+            None => signed_distances(map.on.surface(), &map.sources, &values.distances),
         })?;
         arrays::handed_over(py, shape, found.map_err(errors::value)?)?.into_any()
     }))
@@ -100,7 +104,7 @@ type Basis = ([f64; 2], [f64; 2], [f64; 2], Option<[[f64; 3]; 2]>);
 pub fn log_map(py: Python<'_>, map: &Map) -> PyResult<LogMap> {
     use geosweep::geometry::LogMapError;
     let made = work::stoppable(py, |monitor| {
-        geosweep::geometry::LogMap::watched(&map.on.surface, &map.sources, monitor)
+        geosweep::geometry::LogMap::watched(map.on.surface(), &map.sources, monitor)
     })?;
     let inner = made.map_err(|error| match error {
         LogMapError::Surface(error) => errors::of(error.into()),
@@ -137,8 +141,8 @@ impl LogMap {
         unit: &str,
     ) -> PyResult<Bound<'py, PyArray2<f32>>> {
         let bearings = work::detached(py, || match unit {
-            "grass" => self.inner.source_grass(&self.on.surface),
-            _ => self.inner.source_compass(&self.on.surface),
+            "grass" => self.inner.source_grass(self.on.surface()),
+            _ => self.inner.source_compass(self.on.surface()),
         })?;
         arrays::handed_over(py, self.on.shape(), bearings)
     }

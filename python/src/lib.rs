@@ -15,6 +15,8 @@ mod settings;
 mod surface;
 mod work;
 
+use geosweep::io::{CoordinateSystem, Georeference, MapScale};
+use geosweep::surface::Chart;
 use pyo3::prelude::*;
 
 /// A Vulkan device: its index, name, kind, Vulkan version and driver, and what it lacks.
@@ -42,6 +44,20 @@ fn devices(py: Python<'_>) -> PyResult<Vec<Device>> {
     }
 }
 
+/// Returns the projection and the least and largest scale of the map with this number in the EPSG register, if that
+/// differs from 1. A grid is given by x and y of its first point, its steps, rows and columns.
+#[pyfunction]
+fn map_scale(
+    epsg: u16,
+    place: (f64, f64, f64, f64, usize, usize),
+) -> Option<(&'static str, f64, f64)> {
+    let (x, y, dx, dy, rows, cols) = place;
+    let system = Some(CoordinateSystem::Projected(epsg));
+    let place = Georeference { origin: [x, y], down: [0.0, -dy], right: [dx, 0.0], system };
+    let MapScale { projection, range: [least, largest] } = place.map_scale(Chart { rows, cols })?;
+    Some((projection, least, largest))
+}
+
 #[pymodule(gil_used = false)]
 fn _geosweep(module: &Bound<'_, PyModule>) -> PyResult<()> {
     // Programs compute one map after another, and opening a device takes longer than most maps.
@@ -53,6 +69,7 @@ fn _geosweep(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<map::Map>()?;
     module.add_class::<directions::LogMap>()?;
     module.add_function(wrap_pyfunction!(devices, module)?)?;
+    module.add_function(wrap_pyfunction!(map_scale, module)?)?;
     module.add_function(wrap_pyfunction!(directions::nearest, module)?)?;
     module.add_function(wrap_pyfunction!(directions::back_direction, module)?)?;
     module.add_function(wrap_pyfunction!(directions::back_link, module)?)?;

@@ -6,7 +6,7 @@ use std::fmt::Display;
 use std::sync::Arc;
 
 use geosweep::geometry::{
-    Contour, Levels, PathTracer, Side, Voronoi, contours, farthest, offset_curves, ridges,
+    Contour, Levels, MapError, PathTracer, Side, Voronoi, contours, farthest, offset_curves, ridges,
 };
 use geosweep::surface::EdgeLengths;
 use geosweep::{DistanceMap, Report, Sources};
@@ -140,7 +140,7 @@ impl Map {
         let traced = work::stoppable(py, |monitor| {
             let map = self.single();
             let edges = self.on.edges().map_err(|error| error.to_string())?;
-            let tracer = PathTracer::new(&self.on.surface, edges, &self.sources, &map.distances);
+            let tracer = PathTracer::new(self.on.surface(), edges, &self.sources, &map.distances);
             let tracer = tracer.map_err(|error| error.to_string())?;
             let parts = ends.chunks(PATHS_AT_ONCE).take_while(|_| !monitor.is_cancelled());
             let paths = parts.flat_map(|part| tracer.trace_all(part));
@@ -185,17 +185,26 @@ impl Map {
     ) -> PyResult<Vec<(f64, Curves<'py>)>> {
         let side = if left { Side::Left } else { Side::Right };
         let found = self.read(py, |edges, map| {
-            offset_curves(&self.on.surface, edges, &self.sources, map, &levels, side)
+            offset_curves(self.on.surface(), edges, &self.sources, map, &levels, side)
         })?;
         levelled(py, &found)
     }
 
-    /// Returns the regions of the sources.
-    fn voronoi<'py>(&self, py: Python<'py>) -> PyResult<Regions<'py>> {
-        let surface = &self.on.surface;
+    /// Returns the regions of the sources. `merged` holds the number of the region of each source, and the number of
+    /// regions, if sources share regions.
+    fn voronoi<'py>(
+        &self,
+        py: Python<'py>,
+        merged: Option<(Vec<u32>, usize)>,
+    ) -> PyResult<Regions<'py>> {
+        let surface = self.on.surface();
         let (areas, found) = self.read(py, |edges, map| {
-            let found = Voronoi::new(surface, edges, &self.sources, &map.distances);
-            found.map(|found| (found.areas(surface), found))
+            let found = Voronoi::new(surface, edges, &self.sources, &map.distances)?;
+            let found = match &merged {
+                Some((numbers, regions)) => found.merged(numbers, *regions),
+                None => found,
+            };
+            Ok::<_, MapError>((found.areas(surface), found))
         })?;
         let borders = found.borders.iter();
         let borders = borders.map(|it| Ok((it.regions, arrays::curve(py, &it.curve)?)));

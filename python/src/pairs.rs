@@ -27,7 +27,7 @@ pub fn within<'py>(
     rows: Vec<usize>,
     settings: Settings,
 ) -> PyResult<(Csr<'py>, u32, f64, bool)> {
-    let (monitor, surface) = (Monitor::default(), &surface.inner.surface);
+    let (monitor, surface) = (Monitor::default(), surface.inner.surface());
     let options = settings.options(&monitor)?;
     let work = || pairs_within(surface, &rows, &options);
     let solved = work::watched(py, settings.threads, &monitor, |_| Ok(()), work)?;
@@ -46,7 +46,7 @@ pub fn nearest_others<'py>(
     count: usize,
     settings: Settings,
 ) -> PyResult<Csr<'py>> {
-    let (monitor, surface) = (Monitor::default(), &surface.inner.surface);
+    let (monitor, surface) = (Monitor::default(), surface.inner.surface());
     let options = settings.options(&monitor)?;
     let row = |(index, &[row, col]): (usize, &[usize; 2])| {
         // The nearest points include the point itself, so `count + 1` are needed. Points at the same place may come

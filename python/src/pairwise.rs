@@ -28,7 +28,7 @@ pub fn pairwise(
     settings: Settings,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<PairwiseItems> {
-    let (monitor, surface) = (Monitor::default(), &surface.inner.surface);
+    let (monitor, surface) = (Monitor::default(), surface.inner.surface());
     let points = surface.chart().points();
     if out.shape() != [rows.len(), points] {
         return Err(errors::value("out must have a row for each source"));

@@ -5,12 +5,13 @@ use std::sync::Arc;
 use geosweep::geometry::FarthestPoints;
 use geosweep::glam::DVec3;
 use geosweep::surface::Geometry;
+use geosweep::{DistanceMap, Report, Sources, UsedEngine, Wavefront};
 use geosweep::{EdgeRule, MetricTensor, Monitor, Spacing, estimate_error, estimate_error_f64};
-use geosweep::{distance_map, distance_map_f64};
 use numpy::{
     IntoPyArray, PyArray1, PyArray2, PyReadonlyArray2, PyReadonlyArray3, PyUntypedArrayMethods,
 };
 use pyo3::prelude::*;
+use rayon::prelude::*;
 
 use crate::gluing::Glue;
 use crate::map::{Distances, Map, ReportItems, in_either, report};
@@ -28,6 +29,15 @@ impl From<geosweep::Surface> for Surface {
     fn from(surface: geosweep::Surface) -> Self {
         Self { inner: Arc::new(OnGrid::new(surface)) }
     }
+}
+
+/// Distances in either precision.
+#[derive(FromPyObject)]
+enum Values<'py> {
+    #[pyo3(transparent)]
+    Single(PyReadonlyArray2<'py, f32>),
+    #[pyo3(transparent)]
+    Double(PyReadonlyArray2<'py, f64>),
 }
 
 /// The errors of a map, the improved map, and the observed order.
@@ -80,7 +90,7 @@ impl Surface {
         chords: bool,
     ) -> PyResult<Self> {
         let rule = if chords { EdgeRule::Chord } else { EdgeRule::Arc };
-        let mut surface = self.inner.surface.clone().with_edge_rule(rule);
+        let mut surface = self.inner.surface().clone().with_edge_rule(rule);
         if let Some(mask) = mask {
             let mask: Vec<bool> = mask.as_array().iter().copied().collect();
             surface = surface.with_mask(&mask).map_err(errors::value)?;
@@ -94,20 +104,20 @@ impl Surface {
 
     /// Returns the surface with sides of the grid glued.
     fn with_gluing(&self, py: Python<'_>, glue: Glue) -> PyResult<Self> {
-        Ok(work::detached(py, || glue.apply(self.inner.surface.clone()))??.into())
+        Ok(work::detached(py, || glue.apply(self.inner.surface().clone()))??.into())
     }
 
     /// Descriptions of the sides of the grid that coincide, are neighbours or are one point, and are not
     /// glued.
     #[getter]
     fn seams(&self, py: Python<'_>) -> PyResult<Vec<String>> {
-        let seams = work::detached(py, || self.inner.surface.seams())?;
+        let seams = work::detached(py, || self.inner.surface().seams())?;
         Ok(seams.iter().map(ToString::to_string).collect())
     }
 
     #[getter]
     fn is_glued(&self) -> bool {
-        self.inner.surface.is_glued()
+        self.inner.surface().is_glued()
     }
 
     #[getter]
@@ -117,17 +127,17 @@ impl Surface {
 
     #[getter]
     fn points(&self) -> usize {
-        self.inner.surface.points()
+        self.inner.surface().points()
     }
 
     #[getter]
     fn is_floor_plan(&self, py: Python<'_>) -> PyResult<bool> {
-        work::detached(py, || self.inner.surface.is_floor_plan())
+        work::detached(py, || self.inner.surface().is_floor_plan())
     }
 
     #[getter]
     fn edges(&self) -> &'static str {
-        match self.inner.surface.edge_rule() {
+        match self.inner.surface().edge_rule() {
             EdgeRule::Arc => "arc",
             EdgeRule::Chord => "chord",
         }
@@ -136,7 +146,7 @@ impl Surface {
     /// Kind of the geometry: heights, positions or metric.
     #[getter]
     fn kind(&self) -> &'static str {
-        match self.inner.surface.geometry() {
+        match self.inner.surface().geometry() {
             Geometry::Heights { .. } => "heights",
             Geometry::Positions(_) => "positions",
             Geometry::Metric(_) => "metric",
@@ -146,7 +156,7 @@ impl Surface {
     /// A copy of the heights, of the coordinates x, y, z of each point, or of the metric's three entries,
     /// row-major.
     fn values<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        let values = match self.inner.surface.geometry() {
+        let values = match self.inner.surface().geometry() {
             Geometry::Heights { heights, .. } => heights.to_vec(),
             Geometry::Positions(points) => points.iter().flat_map(DVec3::to_array).collect(),
             Geometry::Metric(metric) => {
@@ -159,7 +169,7 @@ impl Surface {
     /// The distance between rows and the distance between columns, for heights.
     #[getter]
     fn spacing(&self) -> Option<(f64, f64)> {
-        match self.inner.surface.geometry() {
+        match self.inner.surface().geometry() {
             Geometry::Heights { spacing, .. } => Some((spacing.dy, spacing.dx)),
             _ => None,
         }
@@ -170,14 +180,14 @@ impl Surface {
     fn present(self_: Bound<'_, Self>) -> PyResult<Bound<'_, PyArray2<bool>>> {
         let inner = self_.get().inner.clone();
         // SAFETY: the surface is never changed, and the array keeps it.
-        unsafe { arrays::view(inner.shape(), inner.surface.present(), self_.into_any()) }
+        unsafe { arrays::view(inner.shape(), inner.surface().present(), self_.into_any()) }
     }
 
     /// The slowness, as a view.
     #[getter]
     fn slowness(self_: Bound<'_, Self>) -> PyResult<Option<Bound<'_, PyArray2<f64>>>> {
         let inner = self_.get().inner.clone();
-        let Some(slowness) = inner.surface.slowness() else { return Ok(None) };
+        let Some(slowness) = inner.surface().slowness() else { return Ok(None) };
         // SAFETY: the surface is never changed, and the array keeps it.
         unsafe { arrays::view(inner.shape(), slowness, self_.into_any()).map(Some) }
     }
@@ -192,6 +202,39 @@ impl Surface {
         let sources = problem.sources()?;
         let distances = self.distances_of(py, &sources, &problem, progress)?;
         Ok(Map::new(self.inner.clone(), sources, distances))
+    }
+
+    /// Returns whether each place (n, 2) lies on the surface, within the grid and off holes.
+    fn have_points(
+        &self,
+        py: Python<'_>,
+        places: PyReadonlyArray2<'_, f64>,
+    ) -> PyResult<Vec<bool>> {
+        let places: Vec<[f64; 2]> =
+            places.as_array().rows().into_iter().map(|at| [at[0], at[1]]).collect();
+        let surface = self.inner.surface();
+        let is_there = |&[row, col]: &[f64; 2]| Sources::point(row, col).seeds(surface).is_ok();
+        work::detached(py, || places.par_iter().map(is_there).collect())
+    }
+
+    /// Returns a map of distances (M, N) that were computed before.
+    fn restored(&self, problem: Problem<'_>, distances: Values<'_>) -> PyResult<Map> {
+        let chart = self.inner.surface().chart();
+        let report = Report::new(UsedEngine::Cpu, Wavefront::Curved);
+        macro_rules! restored {
+            ($precision:ident, $distances:expr) => {{
+                if $distances.shape() != [chart.rows, chart.cols] {
+                    return Err(errors::value("the distances do not have the surface's shape"));
+                }
+                let distances = $distances.as_array().iter().copied().collect();
+                Distances::$precision(DistanceMap::new(chart, distances, report))
+            }};
+        }
+        let distances = match distances {
+            Values::Single(distances) => restored!(Single, distances),
+            Values::Double(distances) => restored!(Double, distances),
+        };
+        Ok(Map::new(self.inner.clone(), problem.sources()?, distances))
     }
 
     /// Computes only the distances, in an array that belongs to the caller, and the report.
@@ -211,7 +254,7 @@ impl Surface {
     /// Estimates the error of a map.
     fn error<'py>(&self, py: Python<'py>, problem: Problem<'_>) -> PyResult<Estimate<'py>> {
         let (sources, shape) = (problem.sources()?, self.inner.shape());
-        let (monitor, surface) = (Monitor::default(), &self.inner.surface);
+        let (monitor, surface) = (Monitor::default(), self.inner.surface());
         let Problem(_, _, settings, double) = &problem;
         let options = settings.options(&monitor)?;
         macro_rules! estimated {
@@ -239,7 +282,7 @@ impl Surface {
         let sources = sources(&points, &lines)?;
         let sampled = work::stoppable(py, |monitor| {
             let inner = &self.inner;
-            let mut samples = FarthestPoints::new(&inner.surface, inner.edges()?, &sources)?;
+            let mut samples = FarthestPoints::new(inner.surface(), inner.edges()?, &sources)?;
             let wanted = samples.by_ref().take(count).take_while(|_| !monitor.is_cancelled());
             let found = wanted.map(|at| (at.row, at.col)).collect();
             Ok((found, samples.radius()))
@@ -257,15 +300,15 @@ impl Surface {
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Distances> {
         let monitor = Monitor::default();
-        let (options, surface) = (settings.options(&monitor)?, &self.inner.surface);
+        let (options, solver) = (settings.options(&monitor)?, &self.inner.solver);
         let tell = |py: Python<'_>| {
             let Some(progress) = &progress else { return Ok(()) };
             let now = monitor.progress();
             progress.call1(py, (now.iterations, now.residual)).map(drop)
         };
         let solve = || match double {
-            true => distance_map_f64(surface, sources, &options).map(Distances::Double),
-            false => distance_map(surface, sources, &options).map(Distances::Single),
+            true => solver.distance_map_f64(sources, &options).map(Distances::Double),
+            false => solver.distance_map(sources, &options).map(Distances::Single),
         };
         let solved = work::watched(py, settings.threads, &monitor, tell, solve)?;
         solved.map_err(errors::of)

@@ -41,16 +41,50 @@ def test_a_globe_at_the_middles_of_cells_is_whole(half: float, down: bool) -> No
         assert np.abs(found - exact).mean() < 1e-4
 
 
-def without_a_repeated_column(rows: int, cols: int) -> gs.Surface:
-    """Return a plane whose heights show that the first and the last column are not one line."""
-    heights = np.zeros((rows, cols))
-    heights[0, -1] = 1e-9
-    return gs.Surface.from_heights(heights)
+def plane(rows: int, cols: int) -> gs.Surface:
+    """Return a plane, whose heights do not tell whether the last column repeats the first."""
+    return gs.Surface.from_heights(np.zeros((rows, cols)))
+
+
+@pytest.mark.parametrize("bump", [0.0, 1e-9])
+@pytest.mark.parametrize("layout", ["columns", "rows", "both"])
+def test_equal_lines_may_be_one_or_two(bump: float, layout: str) -> None:
+    z = np.zeros((20, 30))
+    z[-1, 0] = bump
+    given = gs.Surface.from_heights(z)
+    with pytest.raises(ValueError, match="may be one line that the grid repeats or two"):
+        gs.CompletedGrid(given, layout)  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="last='twice' is unknown"):
+        gs.CompletedGrid(given, "columns", last="twice")  # type: ignore[arg-type]
+    for last, missing in (("apart", 0), ("repeated", 1)):
+        grid = gs.CompletedGrid(given, layout, last=last)  # type: ignore[arg-type]
+        d = grid.crop(grid.complete(given).solve((0, 0)).distance)
+        rows, cols = np.mgrid[:20, :30]
+        if layout in ("rows", "both"):
+            rows = np.minimum(rows, 20 - missing - rows)
+        if layout in ("columns", "both"):
+            cols = np.minimum(cols, 30 - missing - cols)
+        assert np.allclose(d, np.hypot(rows, cols), atol=1e-4)
+
+
+def test_lines_that_differ_are_two() -> None:
+    z, mask = np.zeros((20, 30)), np.ones((20, 30), bool)
+    mask[5:9, 0] = False
+    slowness = 1 + 0.04 * np.arange(30) / 30 + 0 * z
+    for surface in (
+        gs.Surface.from_heights(z + np.arange(30)),
+        gs.Surface.from_heights(z, mask=mask),
+        gs.Surface.from_heights(z, slowness=slowness),
+    ):
+        assert gs.CompletedGrid(surface, "columns").shape == (20, 31)
+    with pytest.raises(ValueError, match=r"slowness of 1 and of 1\.038"):
+        surface = gs.Surface.from_heights(z, slowness=slowness)
+        gs.CompletedGrid(surface, "columns", last="repeated").complete(surface)
 
 
 def test_heights_and_colours_go_round() -> None:
-    given = without_a_repeated_column(20, 36)
-    grid = gs.CompletedGrid(given, "columns")
+    given = plane(20, 36)
+    grid = gs.CompletedGrid(given, "columns", last="apart")
     tube = grid.complete(given)
     d = grid.crop(tube.solve((10, 35)).distance)
     rows, cols = np.mgrid[:20, :36]
@@ -63,18 +97,18 @@ def test_heights_and_colours_go_round() -> None:
 
 
 def test_a_completed_surface_survives_pickling() -> None:
-    given = without_a_repeated_column(9, 12)
-    tube = gs.CompletedGrid(given, "columns").complete(given)
+    given = plane(9, 12)
+    tube = gs.CompletedGrid(given, "columns", last="apart").complete(given)
     again = pickle.loads(pickle.dumps(tube))
     assert again.is_glued
     assert np.array_equal(again.solve((4, 0)).distance, tube.solve((4, 0)).distance)
 
 
 def test_mistakes_are_named() -> None:
-    given = without_a_repeated_column(9, 12)
+    given = plane(9, 12)
     with pytest.raises(ValueError, match="layout='tube' is unknown"):
         gs.CompletedGrid(given, "tube")  # type: ignore[arg-type]
-    grid = gs.CompletedGrid(given, "columns")
+    grid = gs.CompletedGrid(given, "columns", last="apart")
     with pytest.raises(ValueError, match=r"place \(9.*\) is off the surface: rows go from"):
         grid.to_completed((9.0, 1.0))
     with pytest.raises(ValueError, match="places must be rows and columns"):
@@ -84,4 +118,4 @@ def test_mistakes_are_named() -> None:
     with pytest.raises(ValueError, match="x"):
         grid.complete(gs.Surface.from_heights(np.zeros((9, 11))))
     with pytest.raises(ValueError, match="pole"):
-        gs.CompletedGrid(given, "globe")
+        gs.CompletedGrid(given, "globe", last="apart")

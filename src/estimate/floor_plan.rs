@@ -25,7 +25,7 @@ pub(super) fn estimate<R: Precision>(
 ) -> Result<ErrorEstimate<R>, Error> {
     // Both grids use one engine, since their difference is the estimate.
     let options = options.clone().with_engine(options.engine.as_for(&map.report));
-    let finer = in_precision::<R>(fine, &on_fine_grid(sources), &options)?;
+    let finer = in_precision::<R>(fine, &on_fine_grid(sources), &options, None)?;
     let rounding = R::epsilon().wide();
     let known = |index| {
         let (row, col) = map.chart.position(index);

@@ -112,13 +112,13 @@ fn estimate<R: Precision>(
     if options.resolve_wavefront(surface, sources)? == Wavefront::Anchored
         && let Some(fine) = surface.halved_floor()
     {
-        let map = in_precision::<R>(surface, sources, options)?;
+        let map = in_precision::<R>(surface, sources, options, None)?;
         let options = options.clone().with_targets(None);
         return floor_plan::estimate(map, &fine, sources, &options);
     }
     // This comes first, since a surface that is too small needs no map.
     let coarse = surface.coarsened(&grid_points(surface, sources))?;
-    let map = in_precision::<R>(surface, sources, options)?;
+    let map = in_precision::<R>(surface, sources, options, None)?;
     // All grids use one engine, since their differences are the estimate.
     // Targets are points of the finest grid, so the other grids are solved without targets.
     let engine = options.engine.as_for(&map.report);

@@ -295,6 +295,8 @@ fn refused_calls_record_nothing() {
         record(GeosweepFrame { reader: undefined, ..good }) => "frame->reader.layout is 0",
         record(GeosweepFrame { unreached: 0.0, ..good }) => "frame->unreached is 0",
         record(GeosweepFrame { unreached: f32::NAN, ..good }) => "frame->unreached is NaN",
+        record(GeosweepFrame { unreached: 0.3, ..good }) => "frame->unreached is 0.3, which may be a distance",
+        record(GeosweepFrame { targets_needed: 7, ..good }) => "frame->targets_needed is 7, and there are 0 targets",
         record(GeosweepFrame { sources: zero(), ..good }) => "0 source buffers",
         record(GeosweepFrame { sources: null_sources, ..good }) => "frame->sources.sources is null",
         record(GeosweepFrame { sources: sources(&many), ..good }) => "1025 entries; at most 1024",

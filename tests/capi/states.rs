@@ -390,7 +390,13 @@ fn labels_directions_and_log_maps_of_a_plane() {
     });
     let of_log_map = session.read(2, |commands, image| unsafe {
         ok(geosweep_record_frame(surface, commands, &one, null_mut()));
-        let of = GeosweepLogMapFrame { sources: one.sources, reader: COPY, ..zero() };
+        let unreached = f32::INFINITY;
+        let of = GeosweepLogMapFrame { sources: one.sources, reader: COPY, unreached, ..zero() };
+        for (unreached, radius) in [(0.0, 0.0), (0.3, 0.0), (-9.0, 0.0), (0.0, 2.0), (-1.9, 2.0)] {
+            let place = GeosweepLogMapFrame { unreached, radius, ..of };
+            let refused = geosweep_record_log_map(surface, commands, log_map, &place, null_mut());
+            wrong(refused, "which may be a coordinate");
+        }
         let negative = GeosweepLogMapFrame { radius: -1.0, ..of };
         let refused = geosweep_record_log_map(surface, commands, log_map, &negative, null_mut());
         wrong(refused, "not positive");

@@ -6,7 +6,8 @@ use geosweep::accuracy::Errors;
 use geosweep::glam::DVec3;
 use geosweep::surface::builtin::Closed;
 use geosweep::surface::{
-    Chart, CompletedGrid, Gluing, GluingError, GridSide, Layout, MetricTensor, Seam, SurfaceError,
+    Chart, CompletedGrid, Gluing, GluingError, GridSide, LastLine, Layout, MetricTensor, Seam,
+    SurfaceError,
 };
 use geosweep::{Sources, Spacing, Surface, distance_map_f64};
 
@@ -347,16 +348,21 @@ fn grids_that_do_not_fit_are_refused() {
     }
 }
 
-/// If heights are equal on both sides, the sides are one line. Otherwise they are neighbouring lines.
+/// If heights are equal on both sides, the sides may be one line or neighbouring ones. Otherwise they are neighbours.
 #[test]
-fn heights_tell_whether_a_line_is_repeated() {
+fn whether_a_line_of_heights_is_repeated_is_said() {
     let heights = |cols: usize| {
         let height = move |index: usize| (TAU * (index % cols % 24) as f64 / 24.0).sin();
         let heights = (0..9 * cols).map(height).collect();
         Surface::from_heights(9, cols, heights, Spacing::square(1.0)).unwrap()
     };
-    let [(repeated, with_both), (added, without)] =
-        [25, 24].map(|cols| completed(&heights(cols), Layout::Columns, [9, 25]));
+    let unclear = CompletedGrid::new(&heights(25), Layout::Columns).unwrap_err();
+    assert!(matches!(unclear, SurfaceError::Gluing(GluingError::Unclear { .. })), "{unclear}");
+    let (added, without) = completed(&heights(24), Layout::Columns, [9, 25]);
+    let said = |last| CompletedGrid::with_last_line(&heights(25), Layout::Columns, last).unwrap();
+    assert_eq!(said(LastLine::IsApart).chart(), Chart { rows: 9, cols: 26 });
+    let repeated = said(LastLine::Repeats);
+    let with_both = repeated.complete(&heights(25)).unwrap();
     assert!(!repeated.is_extended() && added.is_extended());
     let [expected, found] = [(&repeated, &with_both), (&added, &without)]
         .map(|(lines, surface)| map(lines, surface, [4.0, 1.0]));

@@ -105,12 +105,12 @@ pub struct GeosweepFrame {
     /// Reader of the image of distances.
     pub reader: GeosweepReader,
     /// Value in the image at points that no front reaches: `INFINITY` or a negative number. Filters turn
-    /// infinity to NaN beside such points. It must not be NaN, nor 0, which is the distance of sources.
+    /// infinity to NaN beside such points. It must not be NaN, nor a number that may be a distance.
     pub unreached: f32,
     /// Largest distance of the map, or 0 for no limit. Points that are farther are not reached. The work is
     /// proportional to the area within the radius. Each frame may have another radius.
     pub radius: f32,
-    /// Number of nearest targets whose distances are needed, or 0 for all targets.
+    /// Number of nearest targets whose distances are needed, at most `target_count`, or 0 for all targets.
     pub targets_needed: u32,
     /// Targets, or null. The map ends once no front can reach the needed targets earlier, and points farther
     /// than these are not reached. With raster scans, targets do not reduce the work, since an iteration brings
@@ -151,9 +151,34 @@ pub(super) fn reader(given: GeosweepReader, name: &str) -> Result<Reader, Failur
     Ok(Reader { access, layout })
 }
 
+/// Returns the value of points without a distance, which must be no distance.
 pub(super) fn unreached(given: f32, name: &str) -> Result<f32, Failure> {
-    if given.is_nan() || given == 0.0 {
-        let reason = format!("is {given}: give infinity or a negative number");
+    if given.is_nan() || (given >= 0.0 && given.is_finite()) {
+        let reason = format!(
+            "is {given}, which {}; give infinity or a negative number",
+            match given {
+                0.0 => "is the distance of a source",
+                _ if given.is_nan() => "filters spread to other points",
+                _ => "may be a distance",
+            }
+        );
+        return Err(Failure::argument(name, reason));
+    }
+    Ok(given)
+}
+
+/// Smallest magnitude of [`no_place`] where no radius bounds the coordinates.
+const FAR_AWAY: f32 = 1e6;
+
+/// Returns the coordinates of points without a place in a log map, which must be no place within the radius.
+pub(super) fn no_place(given: f32, radius: f32, name: &str) -> Result<f32, Failure> {
+    let beyond = if radius > 0.0 { radius } else { FAR_AWAY };
+    // NaN and the limit itself differ from every coordinate that is shown.
+    if given.abs() < beyond {
+        let reason = format!(
+            "is {given}, which may be a coordinate{}; give infinity, or a number beyond {beyond}",
+            if given == 0.0 { ", as that of a source" } else { "" }
+        );
         return Err(Failure::argument(name, reason));
     }
     Ok(given)
@@ -167,6 +192,10 @@ pub(super) unsafe fn limit<'a>(given: &GeosweepFrame) -> Result<MapLimit<'a>, Fa
     let &GeosweepFrame { radius, targets, target_count, targets_needed, .. } = given;
     // SAFETY: the caller's promise.
     let targets = unsafe { list(targets, target_count, MOST_TARGETS as usize, "frame->targets") }?;
+    if targets_needed > target_count {
+        let reason = format!("is {targets_needed}, and there are {target_count} targets");
+        return Err(Failure::argument("frame->targets_needed", reason));
+    }
     // Both types are two numbers with the same meaning.
     let targets = bytemuck::cast_slice::<GeosweepTarget, TargetPoint>(targets);
     Ok(MapLimit::to(targets)

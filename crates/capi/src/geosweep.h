@@ -637,12 +637,12 @@ typedef struct GeosweepFrame {
     // Reader of the image of distances.
     struct GeosweepReader reader;
     // Value in the image at points that no front reaches: `INFINITY` or a negative number. Filters turn
-    // infinity to NaN beside such points. It must not be NaN, nor 0, which is the distance of sources.
+    // infinity to NaN beside such points. It must not be NaN, nor a number that may be a distance.
     float unreached;
     // Largest distance of the map, or 0 for no limit. Points that are farther are not reached. The work is
     // proportional to the area within the radius. Each frame may have another radius.
     float radius;
-    // Number of nearest targets whose distances are needed, or 0 for all targets.
+    // Number of nearest targets whose distances are needed, at most `target_count`, or 0 for all targets.
     uint32_t targets_needed;
     // Targets, or null. The map ends once no front can reach the needed targets earlier, and points farther
     // than these are not reached. With raster scans, targets do not reduce the work, since an iteration brings
@@ -783,7 +783,8 @@ typedef struct GeosweepLogMapFrame {
     // Largest distance of points that get coordinates; 0 for no limit. If sources start at different times,
     // the distance counts from the latest of these.
     float radius;
-    // Value of u and v at points that are not reached or beyond the radius.
+    // Value of u and v at points that are not reached or beyond the radius. It is no coordinate: infinite, NaN, or
+    // with a size beyond the radius, beyond 1e6 if there is no limit. 0 is the place of the source.
     float unreached;
 } GeosweepLogMapFrame;
 

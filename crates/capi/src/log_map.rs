@@ -3,7 +3,9 @@
 use ash::vk;
 
 use super::arguments::{chart, reference};
-use super::frame::{GeosweepAccess, GeosweepReader, GeosweepSources, access, reader, sources};
+use super::frame::{
+    GeosweepAccess, GeosweepReader, GeosweepSources, access, no_place, reader, sources,
+};
 use super::objects::{kind_of_object, object};
 use super::outputs;
 use super::record::record;
@@ -35,7 +37,8 @@ pub struct GeosweepLogMapFrame {
     /// Largest distance of points that get coordinates; 0 for no limit. If sources start at different times,
     /// the distance counts from the latest of these.
     pub radius: f32,
-    /// Value of u and v at points that are not reached or beyond the radius.
+    /// Value of u and v at points that are not reached or beyond the radius. It is no coordinate: infinite, NaN, or
+    /// with a size beyond the radius, beyond 1e6 if there is no limit. 0 is the place of the source.
     pub unreached: f32,
 }
 
@@ -107,7 +110,7 @@ calls! {
             let sources = sources(&given.sources, "frame->sources.sources")?;
             let frame = embed::LogMapFrame::new(sources, reader(given.reader, "frame->reader")?)
                 .with_before(access(given.before, "frame->before")?)
-                .with_unreached(given.unreached)
+                .with_unreached(no_place(given.unreached, given.radius, "frame->unreached")?)
                 .with_radius(if given.radius == 0.0 { f32::INFINITY } else { given.radius });
             Ok(recording.log_map(&log_map.of, &frame)?)
         })?;

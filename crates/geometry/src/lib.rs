@@ -27,7 +27,7 @@ pub use contours::{Contour, LevelError, Levels, MOST_LEVELS, contours};
 pub use curve::{Curve, CurveError};
 pub use directions::{
     BackDirections, Basis, LogMap, LogMapError, NO_BEARING, NO_LINK, NO_SOURCE, Nearest, SignError,
-    signed_distances, signed_distances_by_mask,
+    signed_distances, signed_distances_by_mask, signed_distances_to_polygons,
 };
 pub use map_error::MapError;
 pub use offset::{OffsetError, Side, offset_curves};

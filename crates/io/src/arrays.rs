@@ -13,6 +13,11 @@ use geosweep_surface::{Chart, MetricTensor};
 /// # Errors
 /// If the file cannot be read or has none of these formats.
 pub fn read_mask(path: &Path) -> Result<Grid<bool>, IoError> {
+    Ok(read_mask_values(path)?.map(|value| value != 0.0 && !value.is_nan()))
+}
+
+/// Reads the numbers of a mask, NaN where the file has no data.
+pub(super) fn read_mask_values(path: &Path) -> Result<Grid<f64>, IoError> {
     let grid = match extension(path).as_str() {
         "npy" | "npz" => {
             let array = read_array(path, &["mask"])?;
@@ -34,7 +39,7 @@ pub fn read_mask(path: &Path) -> Result<Grid<bool>, IoError> {
         "tif" | "tiff" | "asc" => raster::read_mask(path)?,
         _ => return Err(IoError::extension(path, "a mask", ".npy, .npz, .png, .tif or .asc")),
     };
-    Ok(grid.map(|value| value != 0.0 && !value.is_nan()))
+    Ok(grid)
 }
 
 /// Reads a slowness (reciprocal speed): an array (M, N) (`.npy`, or `.npz` with the name `slowness`), a

@@ -5,8 +5,10 @@ use std::collections::HashMap;
 use super::c_number::c_number;
 use super::file_spacing::{FileSpacing, LinearUnit};
 use super::limits::{check_memory, checked_points};
+use super::no_data::{Held, means_no_data};
+use super::projection_file::{Projection, ProjectionFile};
 use super::{Georeference, Grid};
-use geosweep_surface::Spacing;
+use geosweep_surface::{Ellipsoid, Spacing};
 
 /// A grid of values. Values are NaN where the file has no data.
 pub(super) struct AsciiGrid {
@@ -14,6 +16,10 @@ pub(super) struct AsciiGrid {
     pub spacing: FileSpacing,
     /// The location of the points, or a message that says which information is missing.
     pub georeference: Result<Georeference, String>,
+    /// The ellipsoid of longitudes and latitudes, if it is known.
+    pub ellipsoid: Result<Option<Ellipsoid>, String>,
+    /// The length of the unit of heights in metres.
+    pub metres: f64,
 }
 
 /// Default value of cells without data, according to ESRI's description.
@@ -66,7 +72,7 @@ pub(super) fn decode(bytes: &[u8], projection: Option<&str>) -> Result<AsciiGrid
             let (row, col) = (values.len() / cols, values.len() % cols);
             format!("row {row}, column {col}: `{}` is not a number", shortened(token))
         })?;
-        let is_no_data = value == no_data || value as f32 == no_data as f32;
+        let is_no_data = means_no_data(value, no_data, Held::Single);
         values.push(if is_no_data { f64::NAN } else { value });
     }
     if values.len() < points || tokens.next().is_some() {
@@ -75,8 +81,14 @@ pub(super) fn decode(bytes: &[u8], projection: Option<&str>) -> Result<AsciiGrid
     }
     let cell = header.cell()?;
     let georeference = header.georeference(rows, cell);
-    let spacing = spacing(cell, rows, cols, georeference.as_ref().ok(), projection);
-    Ok(AsciiGrid { grid: Grid::new(rows, cols, values), spacing, georeference })
+    let projection = projection.map(ProjectionFile::parse);
+    let spacing = spacing(cell, rows, cols, georeference.as_ref().ok(), projection.as_ref());
+    let ellipsoid = match projection.as_ref().map(|file| &file.projection) {
+        Some(Projection::Degrees(ellipsoid)) => ellipsoid.clone(),
+        _ => Ok(None),
+    };
+    let metres = projection.and_then(|file| file.height_unit).unwrap_or(1.0);
+    Ok(AsciiGrid { grid: Grid::new(rows, cols, values), spacing, georeference, ellipsoid, metres })
 }
 
 impl Header<'_> {
@@ -138,7 +150,7 @@ fn spacing(
     rows: usize,
     cols: usize,
     georeference: Option<&Georeference>,
-    projection: Option<&str>,
+    projection: Option<&ProjectionFile>,
 ) -> FileSpacing {
     let known = |name, said| FileSpacing::Known(cell, LinearUnit { name, said });
     let Some(projection) = projection else {
@@ -150,17 +162,18 @@ fn spacing(
         }
         return known(None, false);
     };
-    let upper = projection.to_ascii_uppercase();
-    if !upper.contains("PROJC") && !upper.contains("PROJECTEDCRS") {
-        return FileSpacing::Degrees("the .prj beside the file gives its cell size in degrees");
-    }
-    // The text may name several units. The last one is that of the projected coordinates.
-    let unit = upper.rsplit("UNIT[").next().and_then(|unit| unit.split(']').next());
-    let factor = unit.and_then(|unit| unit.split(',').nth(1)?.trim().parse::<f64>().ok());
-    match factor {
-        Some(1.0) => known(Some("m"), true),
+    let height_unit = projection.height_unit.unwrap_or(1.0);
+    match &projection.projection {
+        Projection::Degrees(_) => {
+            FileSpacing::Degrees("the .prj beside the file gives its cell size in degrees")
+        }
+        map if map.is_in_metres() && height_unit == 1.0 => known(Some("m"), true),
+        map if map.is_in_metres() => FileSpacing::Unusable(
+            "the .prj beside the file gives its cell size in metres and its heights in another unit".into(),
+        ),
+        Projection::Map(Some(unit)) if projection.height_unit == Some(*unit) => known(None, true),
         // Heights have no unit in this format and are usually in metres, so distances in another unit are of no use.
-        _ => FileSpacing::Unusable(
+        Projection::Map(_) => FileSpacing::Unusable(
             "the .prj beside the file gives its cell size in a unit other than metres".into(),
         ),
     }

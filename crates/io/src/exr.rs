@@ -1,5 +1,5 @@
 //! Decodes and encodes OpenEXR: geometry images (three channels are a position), heights and maps (one
-//! channel).
+//! channel). Where an alpha channel is 0 there is no surface.
 
 use std::collections::HashSet;
 use std::io::{self, Cursor, Seek, Write};
@@ -29,7 +29,8 @@ pub(super) enum Pixels {
 }
 
 /// Names of the channels that hold a position, as coordinates or as a geometry image.
-const POSITION_CHANNELS: [[&str; 3]; 2] = [["X", "Y", "Z"], ["R", "G", "B"]];
+const POSITION_CHANNELS: [[&str; 3]; 2] = [["X", "Y", "Z"], COLOURS];
+const COLOURS: [&str; 3] = ["R", "G", "B"];
 
 pub(super) fn decode(bytes: &[u8]) -> Result<Pixels, String> {
     let malformed = |error: Error| match error {
@@ -51,25 +52,65 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Pixels, String> {
         .layer_data;
     let (rows, cols) = (layer.size.height(), layer.size.width());
     let channels = &layer.channel_data.list;
-    let find = |name: &str| {
-        channels.iter().find(|c| c.name.to_string().eq_ignore_ascii_case(name)).map(samples)
-    };
+    let find = |name: &str| channels.iter().find(|c| is_named(c, name));
+    let alpha = find("A").or(find("alpha"));
+    let covered = alpha.map(|alpha| coverage(alpha, cols)).transpose()?;
+    let is_hole = |index: usize| covered.as_ref().is_some_and(|covered| !covered[index]);
     for names in POSITION_CHANNELS {
-        if let [Some(x), Some(y), Some(z)] = names.map(find) {
-            let values = x.zip(y).zip(z).map(|((x, y), z)| DVec3::new(x, y, z)).collect();
-            return Ok(Pixels::Positions(Grid::new(rows, cols, values)));
+        let [Some(x), Some(y), Some(z)] = names.map(find) else { continue };
+        // Renderers write a depth, or heights, as grey: three equal channels.
+        if names == COLOURS && samples(x).eq(samples(y)) && samples(y).eq(samples(z)) {
+            return Ok(Pixels::Single(heights(x, rows, cols, is_hole)));
         }
+        let point = |(index, ((x, y), z))| match is_hole(index) {
+            true => DVec3::NAN,
+            false => DVec3::new(x, y, z),
+        };
+        let values = samples(x).zip(samples(y)).zip(samples(z)).enumerate().map(point).collect();
+        return Ok(Pixels::Positions(Grid::new(rows, cols, values)));
     }
-    match &channels[..] {
-        [single] => Ok(Pixels::Single(Grid::new(rows, cols, samples(single).collect()))),
-        several => {
-            let names: Vec<_> = several.iter().map(|channel| channel.name.to_string()).collect();
+    let values: Vec<_> =
+        channels.iter().filter(|&one| !alpha.is_some_and(|alpha| alpha.name == one.name)).collect();
+    match values[..] {
+        [single] => Ok(Pixels::Single(heights(single, rows, cols, is_hole))),
+        _ => {
+            let names: Vec<_> = channels.iter().map(|channel| channel.name.to_string()).collect();
             Err(format!(
-                "has channels {}; positions need X, Y, Z or R, G, B, and heights a single channel",
+                "has channels {}; positions need X, Y, Z or R, G, B, and heights a single channel; A marks holes",
                 names.join(", ")
             ))
         }
     }
+}
+
+fn is_named(channel: &AnyChannel<FlatSamples>, name: &str) -> bool {
+    channel.name.to_string().eq_ignore_ascii_case(name)
+}
+
+fn heights(
+    channel: &AnyChannel<FlatSamples>,
+    rows: usize,
+    cols: usize,
+    is_hole: impl Fn(usize) -> bool,
+) -> Grid<f64> {
+    let height = |(index, value)| if is_hole(index) { f64::NAN } else { value };
+    Grid::new(rows, cols, samples(channel).enumerate().map(height).collect())
+}
+
+/// Returns whether each pixel is covered. The values of a pixel that is covered in part are mixed with those of the
+/// background, so they are refused.
+fn coverage(alpha: &AnyChannel<FlatSamples>, cols: usize) -> Result<Vec<bool>, String> {
+    let is_covered = |(index, alpha)| match alpha {
+        0.0 => Ok(false),
+        1.0 => Ok(true),
+        part => Err(format!(
+            "row {}, column {}: the alpha {part} is neither 0 (a hole) nor 1, so the values there are mixed with \
+             those of the background; render without antialiasing, or leave the alpha channel out",
+            index / cols,
+            index % cols
+        )),
+    };
+    samples(alpha).enumerate().map(is_covered).collect()
 }
 
 fn samples(channel: &AnyChannel<FlatSamples>) -> Box<dyn Iterator<Item = f64> + '_> {
@@ -156,6 +197,8 @@ pub(super) fn encode(
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::*;
 
     fn file(compression: Compression, channels: usize) -> Vec<u8> {
@@ -179,6 +222,60 @@ mod tests {
             let message = decode(&file(compression, 1)).err().unwrap();
             assert!(message.contains("loses digits"), "{message}");
         }
+    }
+
+    /// Encodes channels of 3 x 5 pixels.
+    fn picture(channels: &[(&str, [f32; 15])]) -> Vec<u8> {
+        let channel = |&(name, values): &(&str, [f32; 15])| {
+            AnyChannel::new(name, FlatSamples::F32(values.to_vec()))
+        };
+        let channels = AnyChannels::sort(channels.iter().map(channel).collect());
+        let attributes = LayerAttributes::named("positions");
+        let layer = Layer::new((5, 3), attributes, Encoding::SMALL_LOSSLESS, channels);
+        let mut bytes = Cursor::new(Vec::new());
+        Image::from_layer(layer).write().to_buffered(&mut bytes).unwrap();
+        bytes.into_inner()
+    }
+
+    proptest! {
+        #[test]
+        fn pixels_without_coverage_are_holes(
+            covered in prop::array::uniform15(any::<bool>()),
+            names in prop::sample::select(vec!["XYZ", "RGB", "xyz", "Y", "depth"]),
+            alpha in prop::sample::select(vec!["A", "a", "Alpha"]),
+        ) {
+            let kept = covered.map(|covered| f32::from(u8::from(covered)));
+            let values = |k: usize| std::array::from_fn(|at| kept[at] * (at + 100 * k) as f32);
+            let mut channels: Vec<_> = match names.len() {
+                3 => (0..3).map(|k| (&names[k..=k], values(k))).collect(),
+                _ => vec![(names, values(0))],
+            };
+            channels.push((alpha, kept));
+            let is_hole: Vec<bool> = match decode(&picture(&channels)).unwrap() {
+                Pixels::Positions(grid) => grid.values.iter().map(|point| point.is_nan()).collect(),
+                Pixels::Single(grid) => grid.values.iter().map(|height| height.is_nan()).collect(),
+            };
+            prop_assert_eq!(is_hole, covered.map(|covered| !covered));
+        }
+    }
+
+    #[test]
+    fn partial_coverage_is_refused() {
+        let mut alpha = [1.0; 15];
+        alpha[7] = 0.25;
+        let ramp = std::array::from_fn(|at| at as f32);
+        let message = decode(&picture(&[("Z", ramp), ("A", alpha)])).err().unwrap();
+        assert!(message.contains("row 1, column 2: the alpha 0.25"), "{message}");
+    }
+
+    #[test]
+    fn grey_is_one_height_at_each_pixel() {
+        let ramp: [f32; 15] = std::array::from_fn(|at| at as f32);
+        let grey = [("R", ramp), ("G", ramp), ("B", ramp)];
+        let Ok(Pixels::Single(heights)) = decode(&picture(&grey)) else { panic!("grey") };
+        assert_eq!(heights.values, ramp.map(f64::from));
+        let positions = ["X", "Y", "Z"].map(|name| (name, ramp));
+        assert!(matches!(decode(&picture(&positions)), Ok(Pixels::Positions(_))));
     }
 
     #[test]

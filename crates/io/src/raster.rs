@@ -2,7 +2,9 @@
 
 use std::path::Path;
 
-use super::tiff::{self, Location, Raster, Role};
+use super::file_spacing::FileSpacing;
+use super::sidecars::{Auxiliary, world_file};
+use super::tiff::{self, Beside, Location, Raster, Role};
 use super::{GeoTags, Grid, IoError, ascii_grid, extension, read_beside, read_bytes, with_suffix};
 
 /// Reads numbers. They are NaN where the file has no data.
@@ -17,28 +19,53 @@ pub(super) fn read_mask(path: &Path) -> Result<Grid<f64>, IoError> {
 
 fn read(path: &Path, role: Role) -> Result<Raster, IoError> {
     let bytes = read_bytes(path)?;
+    let auxiliary = Auxiliary::beside(path)?;
     let raster = match extension(path).as_str() {
-        "asc" => ascii_grid(&bytes, read_beside(&path.with_extension("prj"))?.as_deref()),
+        "asc" => {
+            let projection = read_beside(&path.with_extension("prj"))?;
+            ascii_grid(&bytes, projection.as_deref(), &auxiliary)
+        }
         _ => {
             // GDAL stores masks in a file of this name if they are not in the raster's own file.
             let mask = read_beside(&with_suffix(path, ".msk"))?;
-            tiff::decode(path, &bytes, mask.as_deref(), role)
+            let beside = Beside { mask: mask.as_deref(), world: world_file(path)?, auxiliary };
+            tiff::decode(path, &bytes, beside, role)
         }
     };
     raster.map_err(|reason| IoError::content(path, reason))
 }
 
-fn ascii_grid(bytes: &[u8], projection: Option<&[u8]>) -> Result<Raster, String> {
+/// Decodes a grid. As in GDAL, auxiliary metadata scale its values and name their unit, but do not place it.
+fn ascii_grid(
+    bytes: &[u8],
+    projection: Option<&[u8]>,
+    auxiliary: &Auxiliary,
+) -> Result<Raster, String> {
     let projection = projection.map(String::from_utf8_lossy);
-    let ascii_grid::AsciiGrid { grid, spacing, georeference } =
+    let ascii_grid::AsciiGrid { grid, spacing, georeference, ellipsoid, metres } =
         ascii_grid::decode(bytes, projection.as_deref())?;
+    let (scale, offset) = (auxiliary.scale.unwrap_or(1.0), auxiliary.offset.unwrap_or(0.0));
+    let grid = grid.map(|value| value * scale + offset);
+    let (spacing, metres) = match auxiliary
+        .unit
+        .as_deref()
+        .map(|unit| (unit, tiff::metres_of_unit(unit)))
+    {
+        None | Some((_, Some(1.0))) => (spacing, Ok(metres)),
+        Some((unit, length)) => {
+            let why = format!("its .aux.xml gives its values in the unit {unit}");
+            let metres = length.ok_or_else(|| format!("{why}, which is not known"));
+            (FileSpacing::Unusable(format!("{why}, and its cell size may be in another")), metres)
+        }
+    };
     Ok(Raster {
         grid: Grid { georeference: georeference.as_ref().ok().copied(), ..grid },
         spacing,
         location: Location {
-            geo_tags: Some(georeference.as_ref().map(GeoTags::of_transform).unwrap_or_default()),
+            geo_tags: Some(georeference.as_ref().map(GeoTags::new).unwrap_or_default()),
             georeference,
-            metres: Ok(1.0),
+            ellipsoid,
+            metres,
         },
         unreached: false,
     })

@@ -6,11 +6,12 @@ use glam::DVec3;
 
 use super::arrays::{matrix, metric, read_array, wrong_shape};
 use super::file_spacing::FileSpacing;
+use super::no_data::means_given_no_data;
 use super::tiff::Location;
 use super::{
     GeoTags, Georeference, Grid, IoError, checked_points, exr, extension, png, raster, read_bytes,
 };
-use geosweep_surface::{MetricTensor, Spacing, Surface, SurfaceError};
+use geosweep_surface::{Ellipsoid, MetricTensor, Spacing, Surface, SurfaceError};
 
 /// A surface file that has been read: positions, heights or a metric.
 ///
@@ -21,9 +22,9 @@ use geosweep_surface::{MetricTensor, Spacing, Surface, SurfaceError};
 /// | `.png` | heights, grey, 8 or 16 bits |
 /// | `.tif`, `.tiff` | heights, one band, as GDAL reads it: with scale, offset, no-data value and mask |
 /// | `.asc` | heights, an ESRI ASCII grid |
-/// | `.exr` | positions in channels X, Y, Z or R, G, B, or heights in a single channel |
+/// | `.exr` | positions in channels X, Y, Z or R, G, B, or heights in a single channel or three equal ones |
 ///
-/// Points at which a value is NaN are holes.
+/// Points at which a value is NaN are holes, and pixels of an `.exr` at which the channel A is 0.
 #[derive(Clone, Debug)]
 pub struct SurfaceFile {
     path: PathBuf,
@@ -47,8 +48,12 @@ impl SurfaceFile {
         let reason = |reason| IoError::content(path, reason);
         const NOWHERE: &str =
             "only a GeoTIFF (.tif) or an ESRI ASCII grid (.asc) says where it lies";
-        let mut location =
-            Location { georeference: Err(NOWHERE.into()), geo_tags: None, metres: Ok(1.0) };
+        let mut location = Location {
+            georeference: Err(NOWHERE.into()),
+            geo_tags: None,
+            ellipsoid: Ok(None),
+            metres: Ok(1.0),
+        };
         let content = match extension(path).as_str() {
             "npy" | "npz" => array(path)?,
             "png" => heights(png_heights(&read_bytes(path)?).map_err(reason)?),
@@ -70,6 +75,26 @@ impl SurfaceFile {
             }
         };
         Ok(Self { path: path.to_owned(), content, location })
+    }
+
+    /// Makes holes of the points whose values are `no_data`, for files that cannot say which of their values mean that
+    /// there is none. All coordinates of a position, or all entries of a tensor, must have that value. In a file that
+    /// has a scale or an offset, the value is compared after both. Returns the number of new holes too.
+    pub fn with_no_data(mut self, no_data: f64) -> (Self, usize) {
+        let is_meant = |value: f64| !value.is_nan() && means_given_no_data(value, no_data);
+        let holes = match &mut self.content {
+            Content::Heights(grid, _) => {
+                cut(&mut grid.values, f64::NAN, |&height| is_meant(height))
+            }
+            Content::Positions(grid) => cut(&mut grid.values, DVec3::NAN, |point| {
+                point.to_array().into_iter().all(is_meant)
+            }),
+            Content::Metric(grid) => {
+                let hole = MetricTensor { rr: f64::NAN, rc: f64::NAN, cc: f64::NAN };
+                cut(&mut grid.values, hole, |it| [it.rr, it.rc, it.cc].into_iter().all(is_meant))
+            }
+        };
+        (self, holes)
     }
 
     /// Returns whether the file holds heights and gives no distance between its points.
@@ -101,6 +126,14 @@ impl SurfaceFile {
     /// If the file does not give them. The error says what is missing.
     pub fn georeference(&self) -> Result<Georeference, IoError> {
         self.location.georeference.clone().map_err(|reason| IoError::content(&self.path, reason))
+    }
+
+    /// Returns the ellipsoid on which longitudes and latitudes are measured, or `None` if the file does not say it.
+    ///
+    /// # Errors
+    /// If longitudes and latitudes are not in degrees, or the file names an ellipsoid that is not known.
+    pub fn ellipsoid(&self) -> Result<Option<Ellipsoid>, IoError> {
+        self.location.ellipsoid.clone().map_err(|reason| IoError::content(&self.path, reason))
     }
 
     /// Returns the fields that give the location of a GeoTIFF, to be written to maps of the same grid. For an ESRI
@@ -186,6 +219,16 @@ impl SurfaceFile {
 /// Advice where the distance between points is not known.
 const GIVE_SPACING: &str = "give the spacing in the unit of the heights (metres, usually), as with the tool's \
                             --spacing DX,DY";
+
+/// Replaces the values that are meant by `hole`. Returns their number.
+fn cut<T: Copy>(values: &mut [T], hole: T, is_meant: impl Fn(&T) -> bool) -> usize {
+    let mut holes = 0;
+    for value in values.iter_mut().filter(|value| is_meant(value)) {
+        *value = hole;
+        holes += 1;
+    }
+    holes
+}
 
 fn heights(grid: Grid<f64>) -> Content {
     Content::Heights(grid, FileSpacing::Unknown)

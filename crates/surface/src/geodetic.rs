@@ -5,10 +5,41 @@ use glam::DVec3;
 use super::completed::completed;
 use super::{Chart, CompletedGrid, GluingError, GridSide, Seam, Surface, SurfaceError};
 
-/// Semi-major axis of the WGS84 ellipsoid, in metres.
-const EQUATOR: f64 = 6_378_137.0;
-/// Flattening of the WGS84 ellipsoid.
-const FLATTENING: f64 = 1.0 / 298.257_223_563;
+/// The figure of the Earth or of another body: an ellipsoid with two equal axes in the plane of the equator.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ellipsoid {
+    /// Radius of the equator, in metres.
+    pub equator: f64,
+    /// Flattening: 0 for a sphere.
+    pub flattening: f64,
+}
+
+impl Ellipsoid {
+    /// The ellipsoid of WGS 84, the system of GPS.
+    pub const WGS_84: Self = Self { equator: 6_378_137.0, flattening: 1.0 / 298.257_223_563 };
+
+    /// Returns the ellipsoid with this radius of the equator in metres and this inverse flattening, which is 0 for a
+    /// sphere. Returns `None` if they are those of no ellipsoid.
+    pub fn new(equator: f64, inverse_flattening: f64) -> Option<Self> {
+        let flattening = if inverse_flattening == 0.0 { 0.0 } else { inverse_flattening.recip() };
+        let is_usable = equator.is_finite() && equator > 0.0 && (0.0..1.0).contains(&flattening);
+        is_usable.then_some(Self { equator, flattening })
+    }
+
+    /// Returns a point given by longitude and latitude in degrees and height in metres, relative to the middle.
+    fn position(self, [longitude, latitude]: [f64; 2], height: f64) -> DVec3 {
+        let (east_sin, east_cos) = longitude.to_radians().sin_cos();
+        let (sin, cos) = match latitude.abs() == POLE {
+            true => (latitude.signum(), 0.0),
+            false => latitude.to_radians().sin_cos(),
+        };
+        let squared = self.flattening * (2.0 - self.flattening);
+        let across = self.equator / (1.0 - squared * sin * sin).sqrt();
+        let out = (across + height) * cos;
+        DVec3::new(out * east_cos, out * east_sin, (across * (1.0 - squared) + height) * sin)
+    }
+}
+
 /// Maximum gap that a single added line closes, in steps between lines: between the outermost row and a pole, or
 /// between the last column and the first one.
 const LARGEST_GAP: f64 = 1.5;
@@ -63,8 +94,8 @@ pub enum GeodeticError {
     },
 }
 
-/// A grid of latitudes (rows) and longitudes (columns) on the WGS84 ellipsoid. Its surface is closed where the grid
-/// goes round the Earth: across the line between its last and its first column, and at the poles.
+/// A grid of latitudes (rows) and longitudes (columns) on an ellipsoid, by default that of WGS 84. Its surface is closed
+/// where the grid goes round the Earth: across the line between its last and its first column, and at the poles.
 ///
 /// Latitudes ascend or descend. Longitudes ascend or descend from any meridian, up to a full turn: 0 to 360 degrees and
 /// -180 to 180 degrees are both accepted, and jumps by a full turn from one column to the next are ignored. Lines may
@@ -96,6 +127,7 @@ pub struct GeodeticGrid {
     longitudes: Vec<f64>,
     lines: CompletedGrid,
     goes_round: bool,
+    ellipsoid: Ellipsoid,
 }
 
 impl GeodeticGrid {
@@ -136,7 +168,12 @@ impl GeodeticGrid {
         let lines = lines_of(Chart { rows, cols }, ends, is_repeated, has_column_added, beyond);
         let lines = lines.map_err(|_| GeodeticError::TooSmall { rows, cols })?;
         let latitudes = ends[0].added.into_iter().chain(given).chain(ends[1].added).collect();
-        Ok(Self { latitudes, longitudes, lines, goes_round })
+        Ok(Self { latitudes, longitudes, lines, goes_round, ellipsoid: Ellipsoid::WGS_84 })
+    }
+
+    /// Sets the ellipsoid on which the latitudes and longitudes are measured.
+    pub fn with_ellipsoid(self, ellipsoid: Ellipsoid) -> Self {
+        Self { ellipsoid, ..self }
     }
 
     /// Makes the surface, in metres from the middle of the Earth. `heights` are the heights of the given points above
@@ -161,7 +198,8 @@ impl GeodeticGrid {
         let places = self.latitudes.iter().flat_map(|&latitude| {
             self.longitudes.iter().map(move |&longitude| [longitude, latitude])
         });
-        let points = places.zip(heights).map(|(place, height)| position(place, height)).collect();
+        let points = places.zip(heights);
+        let points = points.map(|(place, height)| self.ellipsoid.position(place, height)).collect();
         let (rows, cols) = (self.latitudes.len(), self.longitudes.len());
         let surface = Surface::from_positions(rows, cols, points)?;
         match self.goes_round {
@@ -277,19 +315,6 @@ fn between(lines: &[f64], value: f64) -> Option<f64> {
     let holds = |pair: &[f64]| (pair[0] - value) * (pair[1] - value) <= 0.0;
     let index = lines.windows(2).position(holds)?;
     Some(index as f64 + (value - lines[index]) / (lines[index + 1] - lines[index]))
-}
-
-/// Returns a point on the Earth, given by longitude and latitude in degrees and height in metres.
-fn position([longitude, latitude]: [f64; 2], height: f64) -> DVec3 {
-    let (east_sin, east_cos) = longitude.to_radians().sin_cos();
-    let (sin, cos) = match latitude.abs() == POLE {
-        true => (latitude.signum(), 0.0),
-        false => latitude.to_radians().sin_cos(),
-    };
-    let squared = FLATTENING * (2.0 - FLATTENING);
-    let across = EQUATOR / (1.0 - squared * sin * sin).sqrt();
-    let out = (across + height) * cos;
-    DVec3::new(out * east_cos, out * east_sin, (across * (1.0 - squared) + height) * sin)
 }
 
 #[cfg(test)]

@@ -59,7 +59,7 @@ pub use chart::{
 };
 pub use chart::{Chart, Direction, GridSide};
 pub use coarsen::Coarsened;
-pub use completed::{CompletedGrid, Layout};
+pub use completed::{CompletedGrid, LastLine, Layout};
 #[doc(hidden)]
 pub use corner::{is_corner, is_open};
 pub use edges::EdgeLengths;
@@ -70,7 +70,7 @@ pub use even_grid::EvenGrid;
 pub use fan::Fan;
 #[doc(hidden)]
 pub use gaussian_curvature::{DIFFRACTS, LACKING};
-pub use geodetic::{GeodeticError, GeodeticGrid};
+pub use geodetic::{Ellipsoid, GeodeticError, GeodeticGrid};
 #[doc(hidden)]
 pub use geometry::Sample;
 pub use geometry::{Geometry, MetricTensor, Spacing, Values};

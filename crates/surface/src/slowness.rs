@@ -29,7 +29,7 @@ impl Surface {
     ///
     /// # Errors
     /// If a value is negative, no point is left, or the number of values is not rows x columns. On a glued
-    /// surface also if the values at the copies of a point differ by more than a twentieth.
+    /// surface also if the values at the copies of a point differ by more than a thousandth.
     pub fn with_slowness(mut self, mut slowness: Vec<f64>) -> Result<Self, SurfaceError> {
         check_shape("slowness", slowness.len(), self.chart)?;
         let (mut least, mut has_free) = (f64::INFINITY, false);

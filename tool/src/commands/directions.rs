@@ -5,18 +5,19 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
+use geosweep::DistanceMap;
 use geosweep::geometry::{
     BackDirections, LogMap, Nearest, signed_distances, signed_distances_by_mask,
+    signed_distances_to_polygons,
 };
-use geosweep::io::{OutputFile, StagedFile, read_mask};
+use geosweep::io::{Orientation, OutputFile, StagedFile, read_mask};
 use geosweep::surface::{EdgeLengths, Real};
-use geosweep::{DistanceMap, Sources};
 
 use super::labels::{Values, grid_output, stage_values};
 use crate::output::{png_output, stage_picture};
 use crate::picture::Arrows;
 use crate::precision::Number;
-use crate::problem::Scene;
+use crate::problem::{GivenSources, Scene};
 use crate::terminal::Spinner;
 
 /// The arguments for outputs beside the map.
@@ -27,7 +28,8 @@ pub struct DirectionArgs {
     /// sources and -1 (no-data) where no source reaches
     #[arg(long, value_name = "FILE", group = "directions", help_heading = "Directions")]
     back_direction: Option<PathBuf>,
-    /// Convention of --back-direction and --source-direction
+    /// Convention of --back-direction and --source-direction. North and east are those of the map if SURFACE is
+    /// georeferenced. Otherwise rows run to the south and columns to the east
     #[arg(long, value_enum, default_value_t, help_heading = "Directions")]
     direction_format: DirectionFormat,
     /// Output file for the next grid point on the way back: .npy or .tif, int32, with ArcGIS' codes. 0 is a
@@ -35,7 +37,8 @@ pub struct DirectionArgs {
     #[arg(long, value_name = "FILE", group = "directions", help_heading = "Directions")]
     back_link: Option<PathBuf>,
     /// Output file for the index of the nearest source, in the order of `voronoi`: .npy or .tif, int32, with
-    /// -1 (no-data) where no source reaches
+    /// -1 (no-data) where no source reaches. If all sources are cells of rasters of whole numbers, the value of the
+    /// nearest cell
     #[arg(long, value_name = "FILE", group = "directions", help_heading = "Directions")]
     nearest: Option<PathBuf>,
     /// Output file for the direction in which the way of each point leaves its source, which must be a point,
@@ -59,8 +62,8 @@ pub struct DirectionArgs {
 #[derive(clap::Args)]
 pub struct SignArgs {
     /// Write distances with a sign, positive outside and negative inside of the sources, which must be closed
-    /// curves. The inside is on the left of a curve, with rows downwards: a counter-clockwise curve surrounds
-    /// it
+    /// curves. The inside of a polygon is its own, whichever way its rings run. The inside of another curve is on its
+    /// left: on the map if the curve is in map coordinates, otherwise with rows downwards
     #[arg(long, requires = "output", help_heading = "Directions")]
     signed: bool,
     /// Mask of the inside, non-zero there, in place of the curves' directions; a mask as for --mask
@@ -132,8 +135,23 @@ impl DirectionArgs {
 
     /// Refuses directions on surfaces that have none.
     pub fn check(&self, scene: &Scene) -> Result<(), String> {
-        let first = self.wanted().next();
-        first.map_or(Ok(()), |(_, option, ..)| scene.refuse_directions(option))
+        for (kind, option, ..) in self.wanted() {
+            scene.refuse_directions(option)?;
+            let is_on_map = match kind {
+                Kind::BackDirection | Kind::SourceDirection => {
+                    self.direction_format != DirectionFormat::Vector
+                }
+                Kind::BackLink => true,
+                Kind::Nearest | Kind::LogMap | Kind::Picture => false,
+            };
+            let orientation = if is_on_map { scene.orientation() } else { Ok(None) };
+            let check = orientation.and_then(|orientation| match orientation {
+                Some(orientation) if kind == Kind::BackLink => orientation.link(1).map(drop),
+                _ => Ok(()),
+            });
+            check.map_err(|why| format!("{option}: {why}"))?;
+        }
+        Ok(())
     }
 
     /// Returns the input file of these arguments, the mask of the inside.
@@ -153,11 +171,15 @@ impl SignArgs {
     pub fn of<'a, R: Real>(
         &self,
         scene: &Scene,
-        sources: &Sources,
+        sources: &GivenSources,
         distances: &'a [R],
     ) -> Result<Cow<'a, [R]>, Box<dyn Error>> {
         if self.needs_curves() {
-            let signed = signed_distances(&scene.surface, sources, distances)?;
+            let surface = &scene.surface;
+            let signed = match sources.are_polygons {
+                true => signed_distances_to_polygons(surface, sources, distances)?,
+                false => signed_distances(surface, sources, distances)?,
+            };
             return Ok(scene.crop(&signed).into_owned().into());
         }
         let (chart, distances) = (scene.chart(), scene.crop(distances));
@@ -177,7 +199,7 @@ impl DirectionOutputs {
     pub fn stage<R: Number>(
         self,
         scene: &Scene,
-        sources: &Sources,
+        sources: &GivenSources,
         map: &DistanceMap<R>,
     ) -> Result<Vec<StagedFile>, Box<dyn Error>> {
         if self.files.is_empty() {
@@ -185,6 +207,12 @@ impl DirectionOutputs {
         }
         let map = map.to_single();
         let surface = &scene.surface;
+        // Directions are found on the grid. Here alone they are turned to those of the map.
+        let orientation = scene.orientation().unwrap_or_default();
+        let on_map = |turn: fn(&Orientation, f32) -> f32, angles: Vec<f32>| match &orientation {
+            Some(orientation) => angles.into_iter().map(|angle| turn(orientation, angle)).collect(),
+            None => angles,
+        };
         let edges = EdgeLengths::new(surface)?;
         let spinner = Spinner::new("finding directions");
         let wants = |kinds: &[Kind]| self.files.iter().any(|(kind, _)| kinds.contains(kind));
@@ -199,11 +227,16 @@ impl DirectionOutputs {
         let log_map = || log_map.as_ref().expect("these outputs want it");
         drop(spinner);
         let stage = |(kind, output): (Kind, OutputFile)| {
+            let (compass, grass) = (Orientation::compass, Orientation::grass);
             let angles = match (kind, self.format) {
-                (Kind::BackDirection, DirectionFormat::Compass) => ways().compass(),
-                (Kind::BackDirection, DirectionFormat::Grass) => ways().grass(),
-                (Kind::SourceDirection, DirectionFormat::Grass) => log_map().source_grass(surface),
-                (Kind::SourceDirection, _) => log_map().source_compass(surface),
+                (Kind::BackDirection, DirectionFormat::Compass) => {
+                    on_map(compass, ways().compass())
+                }
+                (Kind::BackDirection, DirectionFormat::Grass) => on_map(grass, ways().grass()),
+                (Kind::SourceDirection, DirectionFormat::Grass) => {
+                    on_map(grass, log_map().source_grass(surface))
+                }
+                (Kind::SourceDirection, _) => on_map(compass, log_map().source_compass(surface)),
                 _ => Vec::new(),
             };
             let (labels, vectors);
@@ -214,11 +247,20 @@ impl DirectionOutputs {
                 }
                 Kind::BackDirection | Kind::SourceDirection => Values::Bearings(&angles),
                 Kind::BackLink => {
-                    labels = ways().links().into_iter().map(i32::from).collect::<Vec<_>>();
+                    let links = ways().links().into_iter().map(i32::from);
+                    let on_map = |link| match &orientation {
+                        Some(orientation) => orientation.link(link),
+                        None => Ok(link),
+                    };
+                    labels = links.map(on_map).collect::<Result<Vec<_>, _>>()?;
                     Values::Labels(&labels)
                 }
                 Kind::Nearest => {
-                    labels = Nearest::new(surface, &edges, sources, &map.distances)?.sources;
+                    let nearest = Nearest::new(surface, &edges, sources, &map.distances)?.sources;
+                    let label = |source: i32| {
+                        usize::try_from(source).map_or(source, |at| sources.label(at))
+                    };
+                    labels = nearest.into_iter().map(label).collect::<Vec<_>>();
                     Values::Labels(&labels)
                 }
                 Kind::LogMap => Values::Vectors(&log_map().coordinates),

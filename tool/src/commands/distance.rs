@@ -15,7 +15,8 @@ use crate::output::{Written, check_outputs, commit, stage_picture};
 use crate::picture::{Look, Picture};
 use crate::precision::{InPrecision, Number, Precision};
 use crate::problem::{
-    self, LimitArgs, MapSummary, PictureArgs, Scene, SolverArgs, SourceArgs, SurfaceArgs,
+    self, GivenSources, LimitArgs, MapSummary, PictureArgs, Scene, SolverArgs, SourceArgs,
+    SurfaceArgs,
 };
 use crate::terminal::{Outcome, Spinner, print_json};
 
@@ -236,7 +237,7 @@ impl Outputs {
         self,
         args: &Args,
         scene: &Scene,
-        sources: &Sources,
+        sources: &GivenSources,
         look: Option<Look>,
         Solved { map, estimate }: &Solved<R>,
     ) -> Result<Written, Box<dyn Error>> {

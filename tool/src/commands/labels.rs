@@ -63,13 +63,19 @@ pub fn stage_values(
     })
 }
 
-/// Writes the region of each given point.
+/// Returns the number of each region, as its name.
+pub fn numbers(voronoi: &Voronoi) -> Vec<i32> {
+    (0..voronoi.regions() as i32).collect()
+}
+
+/// Writes the name of each given point's region.
 pub fn stage_labels(
     output: OutputFile,
     scene: &Scene,
     voronoi: &Voronoi,
+    names: &[i32],
 ) -> Result<StagedFile, IoError> {
-    let label = |&label: &u32| if label == NO_REGION { -1 } else { label as i32 };
+    let label = |&label: &u32| if label == NO_REGION { -1 } else { names[label as usize] };
     let labels: Vec<i32> = voronoi.labels.iter().map(label).collect();
     stage_values(output, scene, Values::Labels(&labels))
 }

@@ -39,7 +39,8 @@ pub struct Args {
 const SIDES: [(Side, &str); 2] = [
     (
         Side::Left,
-        "To the left of a curve in its direction, as seen on the grid with rows downwards",
+        "To the left of a curve in its direction: on the map if the curve is in map coordinates, otherwise with \
+         rows downwards. The left of a polygon's ring is its inside",
     ),
     (Side::Right, "To its right"),
 ];

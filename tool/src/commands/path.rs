@@ -155,7 +155,7 @@ fn polylines(paths: &[Path], rows: &[Row], scene: &Scene) -> Result<Vec<Polyline
             .with("distance", Attribute::Number(row.distance))
             .with("length", Attribute::Number(row.length))
             .with("surface_length", Attribute::Number(row.surface_length))
-            .with("source", Attribute::Index(path.source));
+            .with("source", Attribute::Index(row.source.into()));
         Ok(Polyline { color: rgb([0.75, 0.2, 0.1]), ..polyline })
     };
     paths.iter().zip(rows).map(polyline).collect()
@@ -168,7 +168,7 @@ struct Row {
     length: f64,
     time: Option<f64>,
     surface_length: f64,
-    source: usize,
+    source: i32,
     vertices: usize,
 }
 
@@ -189,7 +189,7 @@ impl Row {
             time: is_slowed.then_some(*length),
             // Without a slowness, the path's own length is more accurate, since it is measured along arcs.
             surface_length: if is_slowed { curve.length(surface)? } else { *length },
-            source: *source,
+            source: problem.sources.label(*source),
             vertices: curve.vertices.len(),
         })
     }

@@ -10,7 +10,7 @@ use geosweep::shown::seven_digits;
 use geosweep::surface::EdgeLengths;
 use serde::Serialize;
 
-use super::labels::{labels_output, stage_labels};
+use super::labels::{labels_output, numbers, stage_labels};
 use super::samples::{Sample, farthest_points, middle};
 use crate::numbers::{place, whole};
 use crate::output::{check_outputs, commit, done, stage_picture};
@@ -90,7 +90,7 @@ pub fn run(args: &Args) -> Outcome {
     let polyline = |(index, sample): (usize, &Sample)| {
         let curve = Curve { vertices: vec![[sample.row, sample.col]], closed: false };
         let polyline = Polyline::new("sample", curve, scene.shape())?;
-        Ok(polyline.with("sample", Attribute::Index(index)))
+        Ok(polyline.with("sample", Attribute::Index(index as i64)))
     };
     let polylines: Vec<_> =
         samples.iter().enumerate().map(polyline).collect::<Result<_, CurveError>>()?;
@@ -128,9 +128,10 @@ fn stage_regions(
     let surface = &scene.surface;
     let (sources, distances) = (points.sources(), points.distances());
     let voronoi = Voronoi::new(surface, edges, sources, &distances)?;
+    let names = numbers(&voronoi);
     let mut staged = Vec::new();
     if let Some(output) = labels {
-        staged.push(stage_labels(output, scene, &voronoi)?);
+        staged.push(stage_labels(output, scene, &voronoi, &names)?);
     }
     if let Some((output, look)) = picture {
         let areas = voronoi.areas(surface);
@@ -138,6 +139,7 @@ fn stage_regions(
             surface,
             shape: scene.shape(),
             sources,
+            labels: &names,
             values: &distances,
             voronoi: &voronoi,
             areas: Some((&areas, unit)),

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use geosweep::geometry::{Border, CurveError, NO_REGION, Voronoi};
-use geosweep::io::{Attribute, Polyline};
+use geosweep::io::{Attribute, Georeference, Polyline};
 use geosweep::surface::EdgeLengths;
 use serde::Serialize;
 
@@ -20,7 +20,8 @@ use crate::terminal::{Outcome, Spinner};
 pub struct Args {
     /// Output file for the regions: .npy (M, N) or .tif, int32. Each point has the index of its nearest
     /// source, counted from 0 in the order of --source, --source-xy, --source-lonlat, --source-points and
-    /// --source-curve; -1 at holes and where no source reaches
+    /// --source-curve; -1 at holes and where no source reaches. If all sources are cells of rasters of whole numbers,
+    /// cells of one value are one region, and each point has the value of its nearest cell
     #[arg(short, long, value_name = "LABELS")]
     #[arg(required_unless_present_any = ["borders", "picture", "json"])]
     output: Option<PathBuf>,
@@ -63,19 +64,25 @@ pub fn run(args: &Args) -> Outcome {
     let voronoi = {
         let _spinner = Spinner::new("finding regions");
         let edges = EdgeLengths::new(&scene.surface)?;
-        Voronoi::new(&scene.surface, &edges, sources, &map.distances)?
+        let of_sources = Voronoi::new(&scene.surface, &edges, sources, &map.distances)?;
+        match sources.regions() {
+            Some((of_source, regions)) => of_sources.merged(&of_source, regions),
+            None => of_sources,
+        }
     };
+    let names = sources.region_labels();
     let areas = voronoi.areas(&scene.surface);
 
-    let mut staged = borders.stage(scene, &ATTRIBUTES, polylines(&voronoi, scene)?)?;
+    let mut staged = borders.stage(scene, &ATTRIBUTES, polylines(&voronoi, &names, scene)?)?;
     if let Some(output) = labels {
-        staged.push(stage_labels(output, scene, &voronoi)?);
+        staged.push(stage_labels(output, scene, &voronoi, &names)?);
     }
     if let Some((output, look)) = picture {
         let regions = Regions {
             surface: &scene.surface,
             shape: scene.shape(),
             sources,
+            labels: &names,
             values: &map.distances,
             voronoi: &voronoi,
             areas: Some((&areas, args.problem.unit(scene))),
@@ -89,11 +96,13 @@ pub fn run(args: &Args) -> Outcome {
         let labels = scene.crop(&voronoi.labels);
         let reached = labels.iter().filter(|label| **label != NO_REGION);
         reached.for_each(|label| points[*label as usize] += 1);
-        let region = |(source, (&points, &area))| Region { source, points, area };
+        let region =
+            |(region, (&points, &area)): (usize, _)| Region { source: names[region], points, area };
+        let named = |pair: [u32; 2]| pair.map(|region| names[region as usize]);
         let summary = Summary {
             area: areas.iter().sum(),
             regions: points.iter().zip(&areas).enumerate().map(region).collect(),
-            neighbours: voronoi.neighbours(),
+            neighbours: voronoi.neighbours().into_iter().map(named).collect(),
         };
         problem.report().print("voronoi", &summary)?;
     }
@@ -103,9 +112,16 @@ pub fn run(args: &Args) -> Outcome {
 /// The names of the attributes of a border's polyline.
 const ATTRIBUTES: [&str; 3] = ["left", "right", "length"];
 
-fn polylines(voronoi: &Voronoi, scene: &Scene) -> Result<Vec<Polyline>, CurveError> {
+/// Returns the borders with the names of the regions on either side, as seen on the map if there is one.
+fn polylines(voronoi: &Voronoi, names: &[i32], scene: &Scene) -> Result<Vec<Polyline>, CurveError> {
+    let is_mirrored = scene.georeference.as_ref().is_ok_and(Georeference::is_mirrored);
     let polyline = |border: &Border| {
-        let [left, right] = border.regions.map(|region| Attribute::Index(region as usize));
+        let mut sides =
+            border.regions.map(|region| Attribute::Index(names[region as usize].into()));
+        if is_mirrored {
+            sides.reverse();
+        }
+        let [left, right] = sides;
         let length = border.curve.length(&scene.surface)?;
         Ok(Polyline::new("border", border.curve.clone(), scene.shape())?
             .with("left", left)
@@ -119,12 +135,12 @@ fn polylines(voronoi: &Voronoi, scene: &Scene) -> Result<Vec<Polyline>, CurveErr
 struct Summary {
     area: f64,
     regions: Vec<Region>,
-    neighbours: Vec<[u32; 2]>,
+    neighbours: Vec<[i32; 2]>,
 }
 
 #[derive(Serialize)]
 struct Region {
-    source: usize,
+    source: i32,
     points: usize,
     area: f64,
 }

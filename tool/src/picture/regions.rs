@@ -16,6 +16,8 @@ pub struct Regions<'a> {
     /// The grid with positions.
     pub shape: &'a Surface,
     pub sources: &'a Sources,
+    /// The label of each region.
+    pub labels: &'a [i32],
     /// The distances from the sources.
     pub values: &'a [f32],
     pub voronoi: &'a Voronoi,
@@ -40,12 +42,14 @@ impl Regions<'_> {
         };
         let (source_lines, marks) = mark_all(self.sources);
         let lines: Vec<_> = voronoi.borders.iter().map(border).chain(source_lines).collect();
-        let names = if self.areas.is_some() { number_all(self.sources) } else { Vec::new() };
+        // Several sources of one region have no numbers of their own.
+        let is_numbered = self.areas.is_some() && self.sources.iter().count() == self.labels.len();
+        let names = if is_numbered { number_all(self.sources) } else { Vec::new() };
         let (areas, unit) = self.areas.unwrap_or_default();
         let whole: f64 = areas.iter().sum();
         let entry = |(index, area): (usize, &f64)| {
             let share = if whole > 0.0 { 100.0 * area / whole } else { 0.0 };
-            (palette[index], format!("{index}: {} ({share:.1} %)", number(*area)))
+            (palette[index], format!("{}: {} ({share:.1} %)", self.labels[index], number(*area)))
         };
         let entries: Vec<_> = areas.iter().enumerate().map(entry).collect();
         let title = match unit {

@@ -4,11 +4,11 @@
 use std::error::Error;
 use std::path::Path;
 
+use geosweep::DistanceMap;
 use geosweep::io::OutputFile;
-use geosweep::{DistanceMap, Sources};
 
 use super::{
-    CurveFiles, MapReport, PictureArgs, Scene, SolverArgs, SourceArgs, SurfaceArgs,
+    CurveFiles, GivenSources, MapReport, PictureArgs, Scene, SolverArgs, SourceArgs, SurfaceArgs,
     default_precision, double_at, inputs, solve_in,
 };
 use crate::output::check_outputs;
@@ -34,7 +34,7 @@ pub struct ProblemArgs {
 /// A map, and the picture to write of the results that are computed from it.
 pub struct Problem {
     pub scene: Scene,
-    pub sources: Sources,
+    pub sources: GivenSources,
     /// The map in single precision, which may have been rounded.
     pub map: DistanceMap,
     /// The map in double precision, if it was computed so.

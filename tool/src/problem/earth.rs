@@ -2,7 +2,7 @@
 //! column where the grid goes round the Earth.
 
 use geosweep::io::Georeference;
-use geosweep::surface::{Chart, GeodeticGrid, SurfaceError};
+use geosweep::surface::{Chart, Ellipsoid, GeodeticGrid, SurfaceError};
 
 use super::given::GivenGrid;
 
@@ -18,12 +18,19 @@ pub struct Earth {
 }
 
 impl Earth {
-    /// Makes the grid of points at the longitudes and latitudes of a georeference. NaN in `heights` marks holes.
-    pub fn new(georeference: &Georeference, chart: Chart, heights: &[f64]) -> Result<Self, String> {
+    /// Makes the grid of points at the longitudes and latitudes of a georeference on an ellipsoid. NaN in `heights` marks
+    /// holes.
+    pub fn new(
+        georeference: &Georeference,
+        ellipsoid: Ellipsoid,
+        chart: Chart,
+        heights: &[f64],
+    ) -> Result<Self, String> {
         let at = |row: usize, col: usize| georeference.coordinates([row as f64, col as f64]);
         let latitudes: Vec<_> = (0..chart.rows).map(|row| at(row, 0)[1]).collect();
         let longitudes: Vec<_> = (0..chart.cols).map(|col| at(0, col)[0]).collect();
         let grid = GeodeticGrid::new(&latitudes, &longitudes).map_err(|error| error.to_string())?;
+        let grid = grid.with_ellipsoid(ellipsoid);
         let present = heights.iter().map(|height| !height.is_nan()).collect();
         Ok(Self { grid, chart, georeference: *georeference, present })
     }
@@ -31,7 +38,8 @@ impl Earth {
     /// Returns the given grid. Its frame has margins that reach to the ends of the surface.
     pub fn given(&self) -> GivenGrid {
         let lines = self.grid.lines().clone();
-        GivenGrid::new(lines, Ok(self.georeference), self.grid.goes_round())
+        let given = GivenGrid::new(lines, Ok(self.georeference), self.grid.goes_round());
+        GivenGrid { frame: given.frame.in_degrees(), ..given }
     }
 
     /// Makes holes of the given points that `mask` leaves out, and returns a mask of all points of the surface. A

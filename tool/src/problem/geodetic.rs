@@ -5,14 +5,15 @@ use std::path::Path;
 
 use clap::ValueEnum;
 use geosweep::io::{CoordinateSystem, GeoTags, Georeference, SurfaceFile};
-use geosweep::shown::exact;
-use geosweep::surface::Chart;
+use geosweep::shown::{exact, seven_digits};
+use geosweep::surface::{Chart, Ellipsoid};
 
 use crate::numbers::numbers;
 
 #[derive(clap::Args)]
 pub struct GeodeticArgs {
-    /// Take SURFACE as heights in metres on WGS 84, in a grid of longitudes and latitudes. Distances are in metres.
+    /// Take SURFACE as heights in metres on the ellipsoid of its coordinate system, by default that of WGS 84, in a grid
+    /// of longitudes and latitudes. Distances are in metres.
     /// Paths pass the date line and the poles where the grid goes round the Earth. A GeoTIFF or an ESRI ASCII grid in
     /// degrees says where it lies; other files need --extent
     #[arg(long, help_heading = "Earth", conflicts_with_all = ["spacing", "metric", "glue", "wrap", "layout"])]
@@ -51,23 +52,17 @@ struct Extent {
 pub struct Location {
     pub georeference: Georeference,
     pub geo_tags: GeoTags,
+    pub ellipsoid: Ellipsoid,
 }
 
-/// Largest longitude, and the angle of a full turn, in degrees.
+/// The angle of a full turn in degrees.
 const TURN: f64 = 360.0;
 /// Least span of an extent in degrees, a tenth of a millimetre. Smaller spans come from rounding errors and count as
 /// empty.
 const LEAST_SPAN: f64 = 1e-9;
-/// The systems whose longitudes and latitudes are those of WGS 84, without and with heights.
-const WGS_84: [CoordinateSystem; 2] =
-    [CoordinateSystem::WGS_84, CoordinateSystem::Geographic(4979)];
-
 fn extent(text: &str) -> Result<Extent, String> {
     let form = "an extent is four numbers in degrees: WEST,SOUTH,EAST,NORTH";
     let [west, south, east, north] = numbers(text)?.try_into().map_err(|_| form)?;
-    for longitude in [west, east] {
-        check_longitude(longitude)?;
-    }
     for latitude in [south, north] {
         check_latitude(latitude)?;
     }
@@ -88,17 +83,6 @@ fn extent(text: &str) -> Result<Extent, String> {
             .into());
     }
     Ok(Extent { west, south, east, north })
-}
-
-/// Checks a longitude in degrees.
-pub fn check_longitude(degrees: f64) -> Result<(), String> {
-    match degrees.abs() <= TURN {
-        true => Ok(()),
-        false => Err(format!(
-            "longitude {}; longitudes lie between -360 and 360 degrees",
-            exact(degrees)
-        )),
-    }
 }
 
 /// Checks a latitude in degrees.
@@ -135,15 +119,21 @@ impl GeodeticArgs {
             .into()),
             (Err(_), Some((extent, registration))) => {
                 let georeference = extent.georeference(chart, registration, self.south_up);
-                Ok(Location { georeference, geo_tags: GeoTags::wgs84(&georeference) })
+                let (geo_tags, ellipsoid) = (GeoTags::new(&georeference), Ellipsoid::WGS_84);
+                Ok(Location { georeference, geo_tags, ellipsoid })
             }
             (Ok(given), None) => {
-                let georeference =
-                    in_degrees(given, file, chart).map_err(|why| format!("{name}: {why}"))?;
-                remark(path, given.system);
-                let named = file.geo_tags().filter(|_| given.system.is_some()).cloned();
-                let geo_tags = named.unwrap_or_else(|| GeoTags::wgs84(&georeference));
-                Ok(Location { georeference, geo_tags })
+                check_degrees(given, file).map_err(|why| format!("{name}: {why}"))?;
+                let ellipsoid = file.ellipsoid()?;
+                remark(path, ellipsoid);
+                // A system without a number on another ellipsoid has no name here, but its fields are kept.
+                let is_own = ellipsoid.is_some_and(|ellipsoid| ellipsoid != Ellipsoid::WGS_84);
+                let system = (!is_own).then_some(CoordinateSystem::WGS_84);
+                let georeference = Georeference { system: given.system.or(system), ..given };
+                let named = file.geo_tags().filter(|_| is_own || given.system.is_some()).cloned();
+                let geo_tags = named.unwrap_or_else(|| GeoTags::new(&georeference));
+                let ellipsoid = ellipsoid.unwrap_or(Ellipsoid::WGS_84);
+                Ok(Location { georeference, geo_tags, ellipsoid })
             }
         }
     }
@@ -175,12 +165,8 @@ impl Extent {
     }
 }
 
-/// Returns a file's georeference if it gives longitudes and latitudes.
-fn in_degrees(
-    given: Georeference,
-    file: &SurfaceFile,
-    chart: Chart,
-) -> Result<Georeference, String> {
+/// Checks that a file gives longitudes and latitudes.
+fn check_degrees(given: Georeference, file: &SurfaceFile) -> Result<(), String> {
     if let Some(CoordinateSystem::Projected(epsg)) = given.system {
         return Err(format!(
             "its coordinates are those of the map EPSG:{epsg}, not longitudes and latitudes; leave \
@@ -197,21 +183,21 @@ fn in_degrees(
                     -t_srs EPSG:4326 makes a grid of degrees"
             .into());
     }
-    for col in [0, chart.cols - 1] {
-        check_longitude(given.coordinates([0.0, col as f64])[0])
-            .map_err(|why| format!("column {col} lies at {why}"))?;
-    }
-    Ok(Georeference { system: given.system.or(Some(CoordinateSystem::WGS_84)), ..given })
+    Ok(())
 }
 
-/// Prints a note if the file's system is not known to be WGS 84.
-fn remark(path: &Path, system: Option<CoordinateSystem>) {
+/// Prints a note on the ellipsoid of a file, if it names none or another one than that of WGS 84.
+fn remark(path: &Path, ellipsoid: Option<Ellipsoid>) {
     let name = path.display();
-    match system {
-        Some(system) if WGS_84.contains(&system) => {}
-        Some(system) => note!(
-            "{name}: its longitudes and latitudes, EPSG:{}, are taken as those of WGS 84",
-            system.epsg()
+    match ellipsoid {
+        Some(Ellipsoid::WGS_84) => {}
+        Some(Ellipsoid { equator, flattening }) => note!(
+            "{name}: distances are measured on its own ellipsoid, of the radius {} m and the flattening {}",
+            exact(equator),
+            match flattening {
+                0.0 => "0".to_string(),
+                _ => format!("1/{}", seven_digits(flattening.recip())),
+            }
         ),
         None => note!("{name} names no coordinate system; it is taken as WGS 84, in degrees"),
     }

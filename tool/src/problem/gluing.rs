@@ -4,18 +4,21 @@ use std::error::Error;
 
 use clap::ValueEnum;
 use geosweep::Surface;
-use geosweep::surface::{CompletedGrid, Gluing, GridSide, Layout, Seam};
+use geosweep::surface::{CompletedGrid, Gluing, GridSide, LastLine, Layout, Seam};
 
 #[derive(clap::Args)]
 pub struct GlueArgs {
     /// Sides of the grid that continue each other on a closed surface, so that distances pass from one to the other.
     /// Where two such sides are not the same line of the surface, the tool adds a line, which outputs leave out.
-    /// Positions show whether they are the same line; sides of heights or metrics count as the same line if all their
-    /// values are equal
+    /// Positions show whether they are the same line, and so do heights, metrics, masks and slownesses that differ;
+    /// where all are equal, --wrap tells it
     #[arg(long, value_name = "SIDES", help_heading = "Surface", conflicts_with_all = ["wrap", "layout"])]
     glue: Option<Glue>,
-    /// The grid goes on from its last column, row or both to the first: the same as --glue columns, rows or both
-    #[arg(long, value_name = "SIDES", help_heading = "Surface", conflicts_with = "layout")]
+    /// The grid goes on from its last column, row or both to the first: the same as --glue columns, rows or both.
+    /// `:repeated` tells that the last line is the first one again, and `:apart` that it is one step from it: columns from
+    /// 0 to 350 degrees are apart, from 0 to 360 repeated
+    #[arg(long, value_name = "SIDES[:repeated|:apart]", value_parser = wrap, help_heading = "Surface")]
+    #[arg(conflicts_with = "layout")]
     wrap: Option<Wrap>,
     /// With --wrap columns or rows, glue in reverse order: the same as --glue flipped-columns or flipped-rows
     #[arg(long, help_heading = "Surface", requires = "wrap", conflicts_with = "poles")]
@@ -55,11 +58,36 @@ pub enum Glue {
     Cube,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Wrap {
+/// Opposite sides that continue each other, and whether the last line is the first one again, if that is said.
+#[derive(Clone, Copy, Debug)]
+struct Wrap {
+    sides: Wrapped,
+    last: Option<LastLine>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Wrapped {
     Columns,
     Rows,
     Both,
+}
+
+fn wrap(text: &str) -> Result<Wrap, String> {
+    let form = || "choose columns, rows or both, and after it :repeated or :apart".to_string();
+    let (sides, last) = text.split_once(':').map_or((text, None), |(a, b)| (a, Some(b)));
+    let sides = match sides {
+        "columns" | "cols" => Wrapped::Columns,
+        "rows" => Wrapped::Rows,
+        "both" => Wrapped::Both,
+        _ => return Err(form()),
+    };
+    let last = match last {
+        None => None,
+        Some("repeated") => Some(LastLine::Repeats),
+        Some("apart") => Some(LastLine::IsApart),
+        Some(_) => return Err(form()),
+    };
+    Ok(Wrap { sides, last })
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -71,24 +99,29 @@ enum MapLayout {
 }
 
 impl GlueArgs {
-    /// Returns the requested gluing, given by any of its names.
-    pub fn wanted(&self) -> Result<Option<Glue>, String> {
+    /// Returns the requested gluing, given by any of its names, and what is said about the last line.
+    pub fn wanted(&self) -> Result<Option<(Glue, Option<LastLine>)>, String> {
+        let last = self.wrap.and_then(|wrap| wrap.last);
+        Ok(self.glue()?.map(|glue| (glue, last)))
+    }
+
+    fn glue(&self) -> Result<Option<Glue>, String> {
         let of_layout = self.layout.map(|layout| match layout {
             MapLayout::Octahedral => Glue::Octahedral,
             MapLayout::Cube => Glue::Cube,
         });
         let Some(wrap) = self.wrap else { return Ok(self.glue.or(of_layout)) };
-        Ok(Some(match (wrap, self.flip, self.poles) {
-            (Wrap::Columns, false, false) => Glue::Columns,
-            (Wrap::Columns, true, _) => Glue::FlippedColumns,
-            (Wrap::Columns, false, true) => Glue::Globe,
-            (Wrap::Rows, false, false) => Glue::Rows,
-            (Wrap::Rows, true, false) => Glue::FlippedRows,
-            (Wrap::Both, false, false) => Glue::Both,
+        Ok(Some(match (wrap.sides, self.flip, self.poles) {
+            (Wrapped::Columns, false, false) => Glue::Columns,
+            (Wrapped::Columns, true, _) => Glue::FlippedColumns,
+            (Wrapped::Columns, false, true) => Glue::Globe,
+            (Wrapped::Rows, false, false) => Glue::Rows,
+            (Wrapped::Rows, true, false) => Glue::FlippedRows,
+            (Wrapped::Both, false, false) => Glue::Both,
             (_, _, true) => {
                 return Err("--poles is for --wrap columns, where rows are latitudes".into());
             }
-            (Wrap::Both, true, false) => {
+            (Wrapped::Both, true, false) => {
                 return Err(
                     "--flip is for --wrap columns or rows; with --wrap both, sides cannot be flipped".into()
                 );
@@ -116,10 +149,11 @@ impl Glue {
         surface: Surface,
         shape: Option<&Surface>,
         seams: &[Seam],
+        last: Option<LastLine>,
     ) -> Result<Whole, Box<dyn Error>> {
         let name = self.to_possible_value().map(|value| value.get_name().to_owned());
         let name = name.unwrap_or_default();
-        let whole = self.whole(surface, shape, seams);
+        let whole = self.whole(surface, shape, seams, last);
         Ok(whole.map_err(|error| format!("--glue {name}: {error}"))?)
     }
 
@@ -128,7 +162,11 @@ impl Glue {
         surface: Surface,
         shape: Option<&Surface>,
         seams: &[Seam],
+        last: Option<LastLine>,
     ) -> Result<Whole, Box<dyn Error>> {
+        if surface.is_glued() {
+            return self.keep(surface);
+        }
         let gluing = match self.layout() {
             None => match self {
                 Self::Octahedral => Gluing::Octahedral,
@@ -138,10 +176,12 @@ impl Glue {
                     Gluing::Seams(found(seams)?)
                 }
             },
-            // A glued surface cannot be glued again, and `with_gluing` below returns an error that says so.
-            Some(_) if surface.is_glued() => Gluing::columns(),
             Some(layout) => {
-                let lines = CompletedGrid::new(shape.unwrap_or(&surface), layout)?;
+                let told = shape.unwrap_or(&surface);
+                let lines = match last {
+                    Some(last) => CompletedGrid::with_last_line(told, layout, last)?,
+                    None => CompletedGrid::new(told, layout)?,
+                };
                 return self.completed(surface, shape, lines);
             }
         };
@@ -158,6 +198,28 @@ impl Glue {
                 lines: None,
                 goes_round: false,
             }),
+        }
+    }
+
+    /// Returns a surface that is glued already, if it is by this gluing.
+    fn keep(self, surface: Surface) -> Result<Whole, Box<dyn Error>> {
+        let gluing = match self {
+            Self::Auto => None,
+            Self::Columns => Some(Gluing::columns()),
+            Self::Rows => Some(Gluing::rows()),
+            Self::Both => Some(Gluing::both()),
+            Self::FlippedColumns => Some(Gluing::flipped_columns()),
+            Self::FlippedRows => Some(Gluing::flipped_rows()),
+            Self::Globe => Some(Gluing::globe()),
+            Self::Octahedral => Some(Gluing::Octahedral),
+            Self::Charts | Self::Cube => Some(Gluing::Charts),
+        };
+        match gluing.is_none_or(|gluing| surface.is_glued_by(&gluing)) {
+            true => Ok(Whole { surface, shape: None, lines: None, goes_round: false }),
+            false => {
+                Err("the built-in surface is closed already, along other sides; leave --glue out"
+                    .into())
+            }
         }
     }
 
@@ -219,7 +281,6 @@ fn note_lacking_poles(surface: &Surface, seams: &[Seam]) {
     };
     let lacks = |grid: &CompletedGrid| grid.chart().rows > surface.rows();
     if seams.iter().any(goes_round)
-        && !surface.is_glued()
         && CompletedGrid::new(surface, Layout::Globe).is_ok_and(|grid| lacks(&grid))
     {
         note!(

@@ -9,6 +9,7 @@ mod given;
 mod gluing;
 mod limits;
 mod picture;
+mod placing;
 mod scene;
 mod solver;
 mod sources;
@@ -28,7 +29,7 @@ pub use limits::{LimitArgs, comment_on_targets};
 pub use picture::PictureArgs;
 pub use scene::Scene;
 pub use solver::SolverArgs;
-pub use sources::{SourceArgs, remark};
+pub use sources::{GivenSources, SourceArgs, remark};
 pub use summary::{MapReport, MapSummary};
 pub use surface::SurfaceArgs;
 

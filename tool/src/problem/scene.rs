@@ -4,8 +4,8 @@
 use std::borrow::Cow;
 
 use geosweep::geometry::PathError;
-use geosweep::io::{GeoTags, Georeference, GridFrame};
-use geosweep::surface::{Chart, Real};
+use geosweep::io::{GeoTags, Georeference, GridFrame, Orientation};
+use geosweep::surface::{Chart, Geometry, Real};
 use geosweep::{DistanceMap, Surface};
 
 use super::given::GivenGrid;
@@ -49,6 +49,26 @@ impl Scene {
     /// the Earth. Otherwise the library checks the place later.
     pub fn place(&self, given: [f64; 2]) -> Result<[f64; 2], String> {
         self.grid.as_ref().map_or(Ok(given), |grid| grid.place(given))
+    }
+
+    /// Returns the place on the surface's grid of the point of the surface that is nearest to a given place, in steps of
+    /// the grid weighted by their lengths on a plane. The place may lie outside the grid or in a hole.
+    pub fn snapped(&self, given: [f64; 2]) -> Option<[f64; 2]> {
+        let (surface, chart) = (&self.surface, self.surface.chart());
+        let (last_row, last_col) = self.chart().last();
+        let last = [last_row, last_col].map(|last| last as f64);
+        let within: [f64; 2] = std::array::from_fn(|k| given[k].clamp(0.0, last[k]));
+        let [row, col] = self.place(within).ok()?;
+        let [dy, dx] = match surface.geometry() {
+            Geometry::Heights { spacing, .. } => [spacing.dy, spacing.dx],
+            _ => [1.0; 2],
+        };
+        let apart = |(at_row, at_col): (usize, usize)| {
+            (dy * (at_row as f64 - row)).hypot(dx * (at_col as f64 - col))
+        };
+        let present = chart.places().filter(|&(row, col)| surface.has(row, col));
+        let nearest = present.min_by(|&a, &b| apart(a).total_cmp(&apart(b)))?;
+        Some([nearest.0 as f64, nearest.1 as f64])
     }
 
     /// Returns the row-major index, on the surface's grid, of the point nearest to a given place.
@@ -119,21 +139,19 @@ impl Scene {
         }
     }
 
-    /// Refuses `what`, which gives directions in rows and columns, if on the Earth the rows do not run southwards or
-    /// the columns eastwards. Also refuses it if added lines lie a part of a step away from given ones, since the rows
+    /// Refuses `what`, which gives directions, if added lines lie a part of a step away from given ones, since the rows
     /// and columns of a direction then differ between the two grids.
     pub fn refuse_directions(&self, what: &str) -> Result<(), String> {
-        if self.extended().is_some_and(|grid| grid.lines.has_part_steps()) {
-            self.refuse_added_lines(what)?;
+        match self.extended().is_some_and(|grid| grid.lines.has_part_steps()) {
+            true => self.refuse_added_lines(what),
+            false => Ok(()),
         }
-        let is_north_up = |at: &Georeference| at.down[1] < 0.0 && at.right[0] > 0.0;
-        match self.georeference.as_ref().is_ok_and(is_north_up) || !self.is_on_earth {
-            true => Ok(()),
-            false => Err(format!(
-                "{what}: directions on the Earth need rows from north to south and columns from west to east; \
-                 gdalwarp makes such a grid"
-            )),
-        }
+    }
+
+    /// Returns the orientation of the given grid on its map, or `None` if it has no map coordinates. Then directions
+    /// are those of the grid.
+    pub fn orientation(&self) -> Result<Option<Orientation>, String> {
+        self.georeference.as_ref().ok().map(Georeference::orientation).transpose()
     }
 
     /// Converts the places in an error to given places.

@@ -1,15 +1,16 @@
 //! Reads the sources of distances.
 
 use std::error::Error;
+use std::ops::Deref;
 use std::path::PathBuf;
 
 use geosweep::Sources;
-use geosweep::geometry::Curve;
-use geosweep::io::{GridFrame, PlaceFile};
+use geosweep::io::{GridFrame, Misplaced, PlaceFile};
 use geosweep::shown::exact;
 
 use super::Scene;
-use super::geodetic::{check_latitude, check_longitude};
+use super::geodetic::check_latitude;
+use super::placing::{Outside, Placing};
 use crate::numbers::{numbers, place_xy};
 
 #[derive(clap::Args)]
@@ -37,13 +38,16 @@ pub struct SourceArgs {
     /// 1 closes them. Other columns are not used, and a note lists them. GeoJSON (.geojson, .json) has
     /// points, lines and polygons, whose rings are sources, in the coordinates of SURFACE, with a property
     /// t0. In a raster of SURFACE's size (.tif, .asc, .png), each cell that is neither 0 nor no-data is a
-    /// source
+    /// source, and its value is the label of its region
     #[arg(long, value_name = "FILE", group = "sources", help_heading = "Sources")]
     source_curve: Vec<PathBuf>,
     /// File of point sources, as for --source-curve. Every vertex is a source with its own start value;
     /// repeatable
     #[arg(long, value_name = "FILE", group = "sources", help_heading = "Sources")]
     source_points: Vec<PathBuf>,
+    /// Sources outside the surface or in its holes
+    #[arg(long, value_enum, default_value_t, help_heading = "Sources")]
+    sources_outside: Outside,
 }
 
 fn point(text: &str) -> Result<[f64; 3], String> {
@@ -60,7 +64,6 @@ fn point_xy(text: &str) -> Result<[f64; 3], String> {
 fn point_lonlat(text: &str) -> Result<[f64; 3], String> {
     let form = "a source is a longitude and a latitude, and perhaps a start value: LON,LAT[,T0]";
     let [longitude, latitude, start] = with_start(numbers(text)?).ok_or(form)?;
-    check_longitude(longitude)?;
     check_latitude(latitude)?;
     Ok([longitude, latitude, start])
 }
@@ -73,29 +76,69 @@ fn with_start(numbers: Vec<f64>) -> Option<[f64; 3]> {
     }
 }
 
+/// The sources of a command, on the surface's grid.
+pub struct GivenSources {
+    pub sources: Sources,
+    /// Whether all sources are rings of polygons.
+    pub are_polygons: bool,
+    /// The values of the cells that are sources, if all sources are cells of rasters of whole numbers.
+    pub labels: Option<Vec<i32>>,
+}
+
+impl Deref for GivenSources {
+    type Target = Sources;
+
+    fn deref(&self) -> &Sources {
+        &self.sources
+    }
+}
+
+impl GivenSources {
+    /// Returns the label of a source in outputs: the value of its cell in a raster, otherwise its index.
+    pub fn label(&self, index: usize) -> i32 {
+        self.labels.as_ref().map_or(index as i32, |labels| labels[index])
+    }
+
+    /// Returns the label of each region, in ascending order. Sources with one label have one region.
+    pub fn region_labels(&self) -> Vec<i32> {
+        let mut labels: Vec<_> = (0..self.sources.iter().count()).map(|k| self.label(k)).collect();
+        labels.sort_unstable();
+        labels.dedup();
+        labels
+    }
+
+    /// Returns the region of each source and the number of regions, if sources have labels.
+    pub fn regions(&self) -> Option<(Vec<u32>, usize)> {
+        let labels = self.labels.as_ref()?;
+        let of_region = self.region_labels();
+        let region = |label| of_region.partition_point(|other| other < label) as u32;
+        Some((labels.iter().map(region).collect(), of_region.len()))
+    }
+}
+
 impl SourceArgs {
     /// Returns the sources on the surface's grid: points as rows and columns, points in map coordinates, points by
     /// longitude and latitude, points of files, then curves.
-    pub fn sources(&self, scene: &Scene) -> Result<Sources, Box<dyn Error>> {
+    pub fn sources(&self, scene: &Scene) -> Result<GivenSources, Box<dyn Error>> {
         let frame = &scene.frame();
-        let mut sources = Sources::default();
+        let mut placing = Placing::new(scene, self.sources_outside);
         for &[row, col, start] in &self.source {
-            let [row, col] = scene.place([row, col]).map_err(|why| format!("source {why}"))?;
-            sources = sources.and_point(row, col, start);
+            placing
+                .point(Ok([row, col]), start, || format!("source {},{}", exact(row), exact(col)));
         }
-        for &[x, y, start] in &self.source_xy {
-            let [row, col] = scene.place(place_xy("--source-xy", frame, [x, y])?)?;
-            sources = sources.and_point(row, col, start);
-        }
-        for &[longitude, latitude, start] in &self.source_lonlat {
-            let [row, col] = lonlat(scene, [longitude, latitude])?;
-            sources = sources.and_point(row, col, start);
+        let on_map = [("--source-xy", &self.source_xy), ("--source-lonlat", &self.source_lonlat)];
+        for (option, places) in on_map {
+            for &[x, y, start] in places {
+                let near = frame.unbounded_place([x, y]);
+                let at = place_xy(option, frame, [x, y]);
+                let at = at.map_err(|reason| Misplaced { reason, near });
+                placing.point(at, start, || format!("{option} {},{}", exact(x), exact(y)));
+            }
         }
         for path in &self.source_points {
             let file = PlaceFile::read(path)?;
-            for point in file.points(frame)? {
-                let [row, col] = scene.place(point.at)?;
-                sources = sources.and_point(row, col, point.start);
+            for point in file.try_points(frame)? {
+                placing.file_point(path, point);
             }
             remark(path, &file, frame);
             if file.holds_lines() {
@@ -108,39 +151,18 @@ impl SourceArgs {
         }
         for path in &self.source_curve {
             let file = PlaceFile::read(path)?;
-            for curve in file.curves(frame)? {
-                let named = |why| format!("{}: {why}", path.display());
-                let vertices = scene.curve(curve.vertices).map_err(named)?;
-                sources = match vertices[..] {
-                    [[row, col]] => sources.and_point(row, col, curve.start),
-                    _ => sources.and_curve(vertices, curve.start),
-                };
+            for curve in file.try_curves(frame)? {
+                placing.curve(path, curve)?;
             }
             remark(path, &file, frame);
         }
-        Ok(sources)
+        placing.sources()
     }
 
     /// Returns the files that sources are read from.
     pub fn files(&self) -> impl Iterator<Item = &PathBuf> {
         self.source_curve.iter().chain(&self.source_points)
     }
-}
-
-/// Returns the place on the surface's grid of a longitude and a latitude in degrees.
-fn lonlat(scene: &Scene, [longitude, latitude]: [f64; 2]) -> Result<[f64; 2], String> {
-    let option = "--source-lonlat";
-    let place = scene.place(place_xy(option, &scene.frame(), [longitude, latitude])?)?;
-    let point = Curve { vertices: vec![place], closed: false };
-    if point.lift(&scene.surface).is_err() {
-        return Err(format!(
-            "{option} {},{}: lies in a hole of the surface (NaN, no-data or masked out); move it to a point of \
-             the surface",
-            exact(longitude),
-            exact(latitude)
-        ));
-    }
-    Ok(place)
 }
 
 /// Prints which parts of a file are not used, and what is assumed about it.

@@ -4,8 +4,9 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 
 use clap::builder::{OsStringValueParser, TypedValueParser};
-use geosweep::io::{self, GeoTags, Georeference, SurfaceFile};
-use geosweep::surface::{Chart, Geometry, Resolution, Seam};
+use geosweep::io::{self, GeoTags, Georeference, MapScale, SurfaceFile};
+use geosweep::shown::exact;
+use geosweep::surface::{Chart, Ellipsoid, Geometry, Resolution, Seam};
 use geosweep::{EdgeRule, Spacing, Surface};
 
 use super::earth::Earth;
@@ -24,7 +25,7 @@ pub struct SurfaceArgs {
     /// (M, N, 2, 2); .npz with one such array, or one that is named surface, positions, heights or metric;
     /// .tif with heights in one band, as GDAL reads it; .asc with heights, an ESRI ASCII grid; .png with
     /// heights, grey, 8 or 16 bits; .exr with positions in channels X, Y, Z or R, G, B, or heights in a
-    /// single channel. NaN and no-data mark holes
+    /// single channel or three equal ones. NaN, no-data and an alpha of 0 mark holes
     #[arg(value_parser = OsStringValueParser::new().try_map(SurfaceArg::parse))]
     surface: SurfaceArg,
 
@@ -33,6 +34,10 @@ pub struct SurfaceArgs {
     #[arg(long, value_name = "DX[,DY]", help_heading = "Surface", value_parser = spacing)]
     #[arg(allow_hyphen_values = true)]
     spacing: Option<Spacing>,
+    /// Value of SURFACE that marks holes, for files that cannot say it (.npy, .npz, .png, .exr) or do not (.tif). All
+    /// coordinates of a position must have it
+    #[arg(long, value_name = "VALUE", help_heading = "Surface", allow_hyphen_values = true)]
+    nodata: Option<f64>,
     /// Mask of the surface (non-zero) and its holes (zero or no-data): .npy (M, N) of booleans or integers,
     /// .npz (named mask, if it holds several), an 8-bit grey .png, .tif or .asc. Points that touch only at a
     /// corner, between two holes, are not connected. Widen lines that are 8-connected, such as rasterised
@@ -116,8 +121,8 @@ impl SurfaceArgs {
                 .map_err(|e| format!("{}: {e}", path.display()))?;
         }
         let mut grid = earth.as_ref().map(Earth::given);
-        if let Some(glue) = self.glue.wanted()? {
-            let whole = glue.apply(surface, shape.as_ref(), &seams)?;
+        if let Some((glue, last)) = self.glue.wanted()? {
+            let whole = glue.apply(surface, shape.as_ref(), &seams, last)?;
             let Whole { surface: glued, shape: whole_shape, lines, goes_round } = whole;
             (surface, shape) = (glued, whole_shape.or(shape));
             seams = if shape.is_none() { surface.seams() } else { Vec::new() };
@@ -177,6 +182,11 @@ impl SurfaceArgs {
                                 its own size, leave it out"
                         .into());
                 }
+                if self.nodata.is_some() {
+                    return Err("--nodata is for files; a built-in surface has no such values, \
+                                leave it out"
+                        .into());
+                }
                 if self.geodetic.is_wanted() {
                     return Err(
                         "--geodetic is for heights from a file; a built-in surface does not lie \
@@ -195,7 +205,7 @@ impl SurfaceArgs {
             }
             SurfaceArg::File(path) => {
                 let _spinner = Spinner::new("reading");
-                let file = SurfaceFile::read(path)?;
+                let file = self.without_no_data(path, SurfaceFile::read(path)?);
                 if self.geodetic.is_wanted() {
                     return self.read_geodetic(path, file);
                 }
@@ -214,21 +224,39 @@ impl SurfaceArgs {
                 // A spacing from the command line may be in any unit.
                 let unit = file.unit().filter(|_| self.spacing.is_none());
                 let geo_tags = file.geo_tags().cloned();
+                let place = georeference.as_ref().ok().copied().filter(|_| self.spacing.is_none());
                 let surface = file.into_surface(self.spacing)?;
+                if let Some(place) = place {
+                    note_scale(path, &place, surface.chart());
+                }
                 Ok(Given { surface, georeference, geo_tags, unit, earth: None })
             }
         }
     }
 
+    /// Makes holes where a file has the value of --nodata.
+    fn without_no_data(&self, path: &Path, file: SurfaceFile) -> SurfaceFile {
+        let Some(value) = self.nodata else { return file };
+        let (file, holes) = file.with_no_data(value);
+        if holes == 0 {
+            note!("{}: no point has the value {} of --nodata", path.display(), exact(value));
+        }
+        file
+    }
+
     fn read_geodetic(&self, path: &Path, file: SurfaceFile) -> Result<Given, Box<dyn Error>> {
         let heights = file.clone().into_heights()?;
         let chart = Chart { rows: heights.rows, cols: heights.cols };
-        let Location { georeference, geo_tags } = self.geodetic.location(path, &file, chart)?;
+        let location = self.geodetic.location(path, &file, chart)?;
+        let Location { georeference, geo_tags, ellipsoid } = location;
         let named = |error: String| format!("{}: {error}", path.display());
-        let earth = Earth::new(&georeference, chart, &heights.values).map_err(named)?;
+        let earth = Earth::new(&georeference, ellipsoid, chart, &heights.values).map_err(named)?;
         let surface = earth.grid.surface(&heights.values);
         let surface = surface.map_err(|error| named(error.to_string()))?;
-        note!("{EARTH}");
+        match ellipsoid == Ellipsoid::WGS_84 {
+            true => note!("{EARTH}"),
+            false => note!("{ELSEWHERE}"),
+        }
         Ok(Given {
             surface,
             georeference: Ok(georeference),
@@ -239,10 +267,27 @@ impl SurfaceArgs {
     }
 }
 
+/// Prints a note if lengths on the map are not those on the ground.
+fn note_scale(path: &Path, place: &Georeference, chart: Chart) {
+    let Some(MapScale { projection, range: [least, largest] }) = place.map_scale(chart) else {
+        return;
+    };
+    note!(
+        "{}: the {projection} map has a scale of {least:.3} to {largest:.3} here, so that distances on it are that many \
+         times those on the ground; gdalwarp to a projection for this area, or to EPSG:4326 and --geodetic, measures on \
+         the ground",
+        path.display()
+    );
+}
+
 /// The note on the assumed reference of heights on the Earth, and the reason for maps in double precision.
 const EARTH: &str = "heights are taken as those above the ellipsoid WGS 84; heights above sea level differ by up to \
                      107 m, which changes distances by at most a 60,000th. Maps are in double precision by default, \
                      since thin cells near the poles cost digits";
+
+/// The note for other ellipsoids.
+const ELSEWHERE: &str = "heights are taken as those above the ellipsoid. Maps are in double precision by default, since \
+                         thin cells near the poles cost digits";
 
 /// Prints a warning if the surface turns too far from point to point to be smooth, with a likely cause.
 fn warn_of_resolution(surface: &Surface, args: &SurfaceArgs) {

@@ -309,3 +309,106 @@ fn errors_and_forms_are_those_of_the_points_of_the_file() {
     let said = bench.json(format!("canonical {given} --glue columns -o form.npy --json"));
     assert_eq!([&said["rows"], &said["cols"], &said["placed"]], [9, 32, 288]);
 }
+
+/// Flat heights do not show whether the last line is the first one again.
+#[test]
+fn whether_the_last_line_repeats_the_first_is_told() {
+    const SIZE: [usize; 2] = [12, 20];
+    let [rows, cols] = SIZE;
+    let bench = Workbench::new();
+    let flat = bench.array("flat.npy", &SIZE, &vec![0.0; rows * cols]);
+    let mut bump = vec![0.0; rows * cols];
+    bump[cols * 4] = 1e-9;
+    let rounded = bench.array("rounded.npy", &SIZE, &bump);
+    let metric: Vec<f64> = (0..rows * cols).flat_map(|_| [1.0, 0.0, 0.0, 1.0]).collect();
+    let metric = bench.array("metric.npy", &[rows, cols, 2, 2], &metric);
+    for (surface, words) in [(&flat, "--spacing 1"), (&rounded, "--spacing 1"), (&metric, "")] {
+        for sides in ["columns", "rows", "both"] {
+            let line = format!("distance {surface} {words} -s 3,0 --wrap {sides} -o map.npy");
+            bench.refuse(&line, &["may be one line", "columns:repeated", "columns:apart"]);
+        }
+    }
+    for (surface, words) in [(&flat, "--spacing 1"), (&rounded, "--spacing 1"), (&metric, "")] {
+        for (last, period) in [("apart", 20), ("repeated", 19)] {
+            let line = format!("{words} -s 3,0 --wrap cols:{last} -o map.npy");
+            assert!(bench.distance(surface, &line).status.success());
+            for (index, found) in bench.map("map.npy").into_iter().enumerate() {
+                let (row, col) = (index / cols, index % cols);
+                let across = col.min(period - col) as f64;
+                let exact = across.hypot((row as f64 - 3.0).abs());
+                assert!((found - exact).abs() < 1e-4, "{surface} {last} {row},{col}: {found}");
+            }
+        }
+    }
+    std::fs::remove_file(bench.output("map.npy")).unwrap();
+    // Lines that differ in their holes, their slowness or clearly in their heights are apart.
+    let mut mask = vec![1.0; rows * cols];
+    mask[5 * cols] = 0.0;
+    let text: String = mask
+        .chunks(cols)
+        .map(|row| row.iter().map(|v| format!("{v} ")).collect::<String>() + "\n")
+        .collect();
+    let header = format!("ncols {cols}\nnrows {rows}\nxllcorner 0\nyllcorner 0\ncellsize 1\n");
+    let mask = bench.input("mask.asc", header + &text);
+    let slowness: Vec<f64> =
+        (0..rows * cols).map(|k| 1.0 + 0.04 * (k % cols) as f64 / 20.0).collect();
+    let slowness = bench.array("slowness.npy", &SIZE, &slowness);
+    for (words, nearest) in
+        [(format!("--mask {mask}"), 1.0), (format!("--slowness {slowness}"), 1.02)]
+    {
+        let line = format!("--spacing 1 {words} -s 3,0 --wrap columns -o map.npy");
+        let output = bench.distance(&flat, &line);
+        assert!(output.status.success(), "{}", stderr(&output));
+        let found = bench.map("map.npy");
+        assert!((found[3 * cols + cols - 1] - nearest).abs() < 1e-2, "{words}");
+        assert_eq!(
+            found.iter().filter(|d| d.is_infinite()).count(),
+            usize::from(words.contains("mask"))
+        );
+    }
+    let line = format!(
+        "distance {flat} --spacing 1 --slowness {slowness} -s 3,0 --wrap columns:repeated -o n.npy"
+    );
+    let fresh = Workbench::new();
+    fresh.refuse(&line, &["slowness of 1 and of 1.038", "columns:apart"]);
+}
+
+#[test]
+fn built_in_surfaces_take_the_gluing_that_they_have() {
+    for (surface, glue) in [
+        ("closed-cylinder:21x31", "columns"),
+        ("closed-torus:21x31", "both"),
+        ("moebius-strip:21x31", "flipped-columns"),
+        ("globe:21x31", "globe"),
+        ("octahedral-sphere:21x21", "octahedral"),
+        ("cube-sphere:13x20", "charts"),
+        ("closed-cone:21x31", "auto"),
+    ] {
+        let bench = Workbench::new();
+        bench.done(format!("distance builtin:{surface} -s 3,4 --engine cpu -o a.npy"));
+        bench
+            .done(format!("distance builtin:{surface} --glue {glue} -s 3,4 --engine cpu -o b.npy"));
+        assert_eq!(bench.map("a.npy"), bench.map("b.npy"), "{surface}");
+    }
+    let bench = Workbench::new();
+    let line = "distance builtin:closed-cylinder:21x31 --glue rows -s 3,4 -o map.npy";
+    bench.refuse(line, &["closed already", "leave --glue out"]);
+}
+
+#[test]
+fn a_pole_of_holes_is_named() {
+    let bench = Workbench::new();
+    let points = surface(&bench, "poles.npy", [21, 31], |row, col| {
+        let [(sin, cos), (out, up)] =
+            [TAU * (col % 30.0) / 30.0, PI * row / 20.0].map(f64::sin_cos);
+        [out * cos, out * sin, up]
+    });
+    for row in [0, 20] {
+        let header = "ncols 31\nnrows 21\nxllcorner 0\nyllcorner 0\ncellsize 1\n";
+        let line = |at: usize| (if at == row { "0 " } else { "1 " }).repeat(31) + "\n";
+        let mask =
+            bench.input("mask.asc", format!("{header}{}", (0..21).map(line).collect::<String>()));
+        let line = format!("distance {points} --mask {mask} -s 10,5 --glue globe -o map.npy");
+        bench.refuse(&line, &["has only holes"]);
+    }
+}

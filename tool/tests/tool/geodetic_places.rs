@@ -303,7 +303,6 @@ fn what_is_no_place_on_the_earth_is_refused() {
     let projected = geotiff_of_a_map(&bench);
     for (surface, words, said) in [
         (&flat, format!("{whole} --source-lonlat 13,90.5"), "latitudes lie between -90 and 90"),
-        (&flat, format!("{whole} --source-lonlat 361,0"), "longitudes lie between -360 and 360"),
         (&flat, format!("{whole} --source-lonlat 13"), "LON,LAT[,T0]"),
         (&flat, format!("{part} --source-lonlat 13,9"), "x 13, y 9 lies outside the grid"),
         (
@@ -319,7 +318,7 @@ fn what_is_no_place_on_the_earth_is_refused() {
         (&flat, "--geodetic --registration pixel -s 3,3".into(), "--extent"),
         (&flat, whole.replace("-90,180,90", "90,180,-90") + " -s 3,3", "--south-up"),
         (&flat, whole.replace("180,90", "180,95") + " -s 3,3", "latitude 95"),
-        (&flat, whole.replace("-180,-90", "-380,-90") + " -s 3,3", "longitude -380"),
+        (&flat, whole.replace("-180,-90", "-380,-90") + " -s 3,3", "at most 360 degrees"),
         (&flat, whole.replace("-180,-90", "-181,-90") + " -s 3,3", "at most 360 degrees"),
         (&flat, whole.replace("-180,-90", "180,-90") + " -s 3,3", "more than 0"),
         (&flat, format!("{whole} -s 3,3 --spacing 30"), "--spacing"),
@@ -330,15 +329,79 @@ fn what_is_no_place_on_the_earth_is_refused() {
             format!("{whole} -s 3,3 --back-direction b.npy"),
             "--back-direction: the surface has lines that the grid lacks",
         ),
-        (&flat, format!("{part} --south-up -s 3,3 --back-link b.npy"), "rows from north to south"),
         (&flat, format!("{whole} -s 3,3 --precision double --engine vulkan"), "double"),
         (&tube, format!("{whole} -s 3,3"), "holds positions, not heights"),
-        (&far, "--geodetic -s 3,3".into(), "column 0 lies at longitude 500015"),
+        (&far, "--geodetic -s 3,3".into(), "latitudes lie between -90 and 90 degrees"),
         (&far, format!("{whole} -s 3,3"), "leave --extent out"),
         (&projected, "--geodetic -s 3,3".into(), "EPSG:32616"),
         (&"builtin:sphere:9x9".into(), "--geodetic -s 3,3".into(), "built-in"),
     ] {
         let output = bench.run(format!("distance {surface} {words} -o map.npy"));
         bench.refuses(&output, &[said]);
+    }
+}
+
+#[test]
+fn longitudes_are_the_same_after_any_number_of_turns() {
+    let bench = Workbench::new();
+    let part = zeros(&bench, [19, 36]) + " --geodetic --registration gridline --extent";
+    let map = |extent: &str, source: &str| {
+        bench.done(format!("distance {part} {extent} --source-lonlat={source} -o map.npy"));
+        bench.map("map.npy")
+    };
+    let plain = map("10,40,24.2,50", "12.5,44");
+    for (extent, source) in [
+        ("10,40,24.2,50", "372.5,44"),
+        ("10,40,24.2,50", "-1787.5,44"),
+        ("370,40,384.2,50", "12.5,44"),
+        ("370,40,384.2,50", "732.5,44"),
+        ("-350,40,-335.8,50", "12.5,44"),
+    ] {
+        let turned = map(extent, source);
+        assert!(turned.iter().zip(&plain).all(|(a, b)| (a - b).abs() < 1e-3), "{extent} {source}");
+    }
+}
+
+/// A raster of the Moon, and one in grads.
+#[test]
+fn ellipsoids_and_angles_are_those_of_the_file() {
+    let bench = Workbench::new();
+    let header = "ncols 31\nnrows 31\nxllcenter 0\nyllcenter -15\ncellsize 1\n";
+    let asc = bench.input("moon.asc", format!("{header}{}", "0 ".repeat(961)));
+    let line = format!("distance {asc} --geodetic --source-lonlat 0,0 -o map.npy");
+    for (radius, inverse) in
+        [(1_737_400.0, 0.0), (3_396_190.0, 169.894), (6_378_137.0, 298.257_223_563)]
+    {
+        let unit = "UNIT[\"Degree\",0.0174532925199433]";
+        let datum = format!("DATUM[\"D\",SPHEROID[\"own\",{radius:?},{inverse:?}]]");
+        bench.input("moon.prj", format!("GEOGCS[\"own\",{datum},PRIMEM[\"p\",0],{unit}]"));
+        let said = notes(&bench.done(&line));
+        assert_eq!(said.contains("own ellipsoid"), radius < 6e6, "{said}");
+        // Along the equator, 30 degrees are a twelfth of it.
+        let found = bench.map("map.npy")[15 * 31 + 30];
+        assert!((found / (radius * std::f64::consts::FRAC_PI_6) - 1.0).abs() < 1e-4, "{found}");
+    }
+    std::fs::remove_file(bench.output("map.npy")).unwrap();
+    let grads = "UNIT[\"Grad\",0.01570796326794897]";
+    bench.input(
+        "moon.prj",
+        format!("GEOGCS[\"NTF\",DATUM[\"D\",SPHEROID[\"C\",6378249.2,293.466]],{grads}]"),
+    );
+    bench.refuse(&line, &["not in degrees", "gdalwarp"]);
+    // GeoTIFF names systems by their number in the EPSG register.
+    let cells = Grid::new([1.0, 180.0], [89.0, 90.0, -2.0]);
+    for (code, said) in [(4807, Some("not in degrees")), (4277, None), (4326, None)] {
+        let keys = [1024, 0, 1, 2, 2048, 0, 1, code, 4099, 0, 1, 9001];
+        let file = bench.input("a.tif", with_keys(geotiff(&cells, [0.0, 90.0], false), keys));
+        let line = format!("distance {file} --geodetic --source-lonlat 9,1 -o map.npy");
+        match said {
+            Some(said) => bench.refuse(&line, &[said]),
+            None => {
+                let said = notes(&bench.done(&line));
+                assert_eq!(said.contains("own ellipsoid"), code == 4277, "{said}");
+                assert!(!said.contains("taken as those of WGS 84"), "{said}");
+                std::fs::remove_file(bench.output("map.npy")).unwrap();
+            }
+        }
     }
 }

@@ -28,7 +28,9 @@ use links::Links;
 pub use links::NO_LINK;
 pub use log_map::{Basis, LogMap, LogMapError};
 pub use nearest::{NO_SOURCE, Nearest};
-pub use signed::{SignError, signed_distances, signed_distances_by_mask};
+pub use signed::{
+    SignError, signed_distances, signed_distances_by_mask, signed_distances_to_polygons,
+};
 use ways::{Way, Ways};
 
 /// The back direction at each grid point: the direction in which the shortest path leaves the point, towards its

@@ -5,13 +5,13 @@ use glam::DVec2;
 use super::tracer;
 use crate::{MapError, NO_REGION, Voronoi};
 use geosweep_surface::Surface;
-use geosweep_surface::{EdgeLengths, Source, Sources};
+use geosweep_surface::{EdgeLengths, Monitor, Source, Sources};
 
 /// The value in [`Nearest::sources`] at points that no source reaches.
 pub const NO_SOURCE: i32 = -1;
 
 /// The number of points whose paths are in memory at the same time.
-const TOGETHER: usize = 1 << 12;
+const TOGETHER: usize = 1 << 10;
 
 /// The nearest source of each grid point.
 #[derive(Clone, Debug, PartialEq)]
@@ -60,6 +60,19 @@ impl Nearest {
         sources: &Sources,
         distances: &[f32],
     ) -> Result<Self, MapError> {
+        Self::watched(surface, edges, sources, distances, &Monitor::default())
+    }
+
+    /// Finds the nearest source of each point as [`Self::new`] does. If `monitor` cancels the search, places on curves
+    /// are missing.
+    #[doc(hidden)]
+    pub fn watched(
+        surface: &Surface,
+        edges: &EdgeLengths<f32>,
+        sources: &Sources,
+        distances: &[f32],
+        monitor: &Monitor,
+    ) -> Result<Self, MapError> {
         let chart = surface.chart();
         let regions = Voronoi::new(surface, edges, sources, distances)?.labels;
         let all: Vec<&Source> = sources.iter().collect();
@@ -75,7 +88,7 @@ impl Nearest {
         // Point sources alone need no paths.
         if !on_curves.is_empty() {
             let paths = tracer(surface, edges, sources, distances)?.along_the_map();
-            for part in on_curves.chunks(TOGETHER) {
+            for part in on_curves.chunks(TOGETHER).take_while(|_| !monitor.is_cancelled()) {
                 let start = |&index: &usize| {
                     let (row, col) = chart.position(index);
                     [row as f64, col as f64]

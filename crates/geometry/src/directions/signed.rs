@@ -113,7 +113,29 @@ pub fn signed_distances<R: Real>(
     let curves = closed_curves(surface, sources)?;
     let inside = match surface.is_glued() {
         true => left_of_curves(surface, sources, distances)?,
-        false => surrounded(chart, &curves)?,
+        false => surrounded(chart, &curves, winding_outside(&curves)?),
+    };
+    Ok(signed(distances, &inside))
+}
+
+/// Returns the distances from the rings of polygons with a sign, row-major, as [`signed_distances`] does. A point lies
+/// inside if any polygon holds it. Outer rings run counter-clockwise, and those of holes clockwise, as seen with rows
+/// downwards. Polygons may adjoin, overlap or lie within one another.
+///
+/// # Errors
+/// If a source is a point or an open curve, the rings do not divide a glued surface, a source lies off the surface, or the
+/// number of distances differs from the number of grid points.
+pub fn signed_distances_to_polygons<R: Real>(
+    surface: &Surface,
+    sources: &Sources,
+    distances: &[R],
+) -> Result<Vec<R>, SignError> {
+    let chart = surface.chart();
+    check(chart, "distances", distances.len())?;
+    let curves = closed_curves(surface, sources)?;
+    let inside = match surface.is_glued() {
+        true => left_of_curves(surface, sources, distances)?,
+        false => surrounded(chart, &curves, 0),
     };
     Ok(signed(distances, &inside))
 }
@@ -146,9 +168,8 @@ fn is_one_place(surface: &Surface, vertices: &[DVec2]) -> bool {
     vertices.windows(2).all(stays)
 }
 
-/// Returns whether the curves wind around each point of a chart.
-fn surrounded(chart: Chart, curves: &[&[DVec2]]) -> Result<Vec<bool>, SignError> {
-    let outside = winding_outside(curves)?;
+/// Returns whether the curves wind around each point of a chart more often than around the outside.
+fn surrounded(chart: Chart, curves: &[&[DVec2]], outside: i32) -> Vec<bool> {
     let rows = (0..chart.rows).into_par_iter();
     let inside = rows.flat_map_iter(|row| {
         // Along a row, the winding number changes at the crossings to the left of a point.
@@ -164,7 +185,7 @@ fn surrounded(chart: Chart, curves: &[&[DVec2]]) -> Result<Vec<bool>, SignError>
             winding > outside
         })
     });
-    Ok(inside.collect())
+    inside.collect()
 }
 
 /// Returns whether the shortest path of each point of a glued surface meets the left side of the nearest curve.
@@ -301,6 +322,24 @@ mod tests {
         // A curve between grid points surrounds none of them, whatever its direction.
         assert_eq!(count(&inside(&[square(2.2, 2.8, false)]).unwrap()), 0);
         assert_eq!(count(&inside(&[square(2.2, 2.8, true)]).unwrap()), 121);
+    }
+
+    #[test]
+    fn polygons_may_adjoin_overlap_and_lie_within_one_another() {
+        let inside = |curves: &[Vec<[f64; 2]>]| {
+            let curve = |curve: &Vec<[f64; 2]>| Source::Curve {
+                vertices: curve.iter().map(|&at| at.into()).collect(),
+                initial: 0.0,
+            };
+            let sources: Sources = curves.iter().map(curve).collect();
+            let signed = signed_distances_to_polygons(&plane(), &sources, &[1.0f32; 121]).unwrap();
+            signed.into_iter().map(|distance| distance < 0.0).collect::<Vec<_>>()
+        };
+        let (whole, within) = (square(1.5, 8.5, false), square(3.5, 6.5, false));
+        assert_eq!(count(&inside(&[whole.clone(), within.clone()])), 49);
+        assert_eq!(count(&inside(&[whole.clone(), square(3.5, 6.5, true), within])), 49);
+        let beside: Vec<_> = square(1.5, 8.5, false).iter().map(|[r, c]| [*r, c + 1.0]).collect();
+        assert_eq!(count(&inside(&[whole, beside])), 7 * 8);
     }
 
     #[test]

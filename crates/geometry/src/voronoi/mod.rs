@@ -85,6 +85,39 @@ impl Voronoi {
         Ok(Self { labels, borders, splits, regions: sources.iter().count() })
     }
 
+    /// Merges regions: region `k` becomes a part of region `numbers[k]`, of `regions` regions. Borders within a merged
+    /// region are left out.
+    ///
+    /// # Panics
+    /// If there is not one number for each region, or a number is not below `regions`.
+    #[must_use]
+    pub fn merged(mut self, numbers: &[u32], regions: usize) -> Self {
+        assert_eq!(numbers.len(), self.regions, "one number for each region");
+        assert!(numbers.iter().all(|&number| (number as usize) < regions), "a region is missing");
+        for label in self.labels.iter_mut().filter(|label| **label != NO_REGION) {
+            *label = numbers[*label as usize];
+        }
+        for Border { regions: [a, b], curve } in &mut self.borders {
+            [*a, *b] = [*a, *b].map(|region| numbers[region as usize]);
+            if *a > *b {
+                // The smaller number is that of the region on the left.
+                (*a, *b) = (*b, *a);
+                curve.vertices.reverse();
+            }
+        }
+        self.borders.retain(|border| border.regions[0] != border.regions[1]);
+        for (label, _) in self.splits.iter_mut().flat_map(|split| &mut split.parts) {
+            *label = numbers[*label as usize];
+        }
+        // A triangle whose corners are of one region now counts as a whole.
+        let labels = &self.labels;
+        self.splits.retain(|split| {
+            let [a, b, c] = split.points.map(|point| labels[point]);
+            a != b || b != c
+        });
+        Self { regions, ..self }
+    }
+
     /// Returns the number of regions: one for each source, empty ones included.
     pub fn regions(&self) -> usize {
         self.regions

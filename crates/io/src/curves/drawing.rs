@@ -32,7 +32,7 @@ pub enum Attribute {
     /// A level or a length.
     Number(f64),
     /// A count or an index.
-    Index(usize),
+    Index(i64),
     /// A name.
     Name(&'static str),
 }

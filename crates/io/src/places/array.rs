@@ -43,7 +43,7 @@ pub(super) fn read(path: &Path) -> Result<Content, IoError> {
             return Err(IoError::content(path, reason));
         }
         let start = if has_starts { row[2] } else { 0.0 };
-        vertices.push(Vertex { place: [row[0], row[1]], start, number: index });
+        vertices.push(Vertex { place: [row[0], row[1]], start, number: index, value: None });
     }
     end(&mut vertices);
     Ok(Content::Curves(FileCurves {

@@ -30,6 +30,8 @@ pub struct GridFrame {
     pub georeference: Result<Georeference, String>,
     /// Numbers of rows by which the surface extends beyond the grid's first and last row, and the same for columns.
     margins: [[f64; 2]; 2],
+    /// Whether the map coordinates are known to be longitudes and latitudes in degrees.
+    in_degrees: bool,
 }
 
 /// The coordinate system of a file's map coordinates.
@@ -53,14 +55,21 @@ const BORDER: f64 = 0.01;
 /// Distance in cells from a line of grid points within which a place counts as a place on the line.
 const ON_LINE: f64 = 1e-6;
 
-/// Full turns in degrees, by which longitudes may differ from those of a grid.
-const TURNS: [f64; 5] = [0.0, TURN, -TURN, 2.0 * TURN, -2.0 * TURN];
+/// Distance in cells outside the grid's points within which a place on the map lies in a border cell, whose value stands
+/// for all of the cell.
+const HALF_CELL: f64 = 0.5;
+/// A full turn of longitudes in degrees.
 const TURN: f64 = 360.0;
 
 impl GridFrame {
     /// Makes a frame of a grid of this size.
     pub fn new(chart: Chart, georeference: Result<Georeference, String>) -> Self {
-        Self { chart, georeference, margins: [[0.0; 2]; 2] }
+        Self { chart, georeference, margins: [[0.0; 2]; 2], in_degrees: false }
+    }
+
+    /// States that the map coordinates are longitudes and latitudes in degrees, also if their system has no number.
+    pub fn in_degrees(self) -> Self {
+        Self { in_degrees: true, ..self }
     }
 
     /// Lets places lie beyond the grid's points. `margins` are numbers of rows before the first and after the last row,
@@ -71,30 +80,80 @@ impl GridFrame {
     }
 
     /// Returns the row and column of map coordinates `x` (eastwards) and `y` (northwards). A place that is at most a
-    /// millionth of a cell away from a line of grid points is moved onto the line. A place at most a hundredth of a
-    /// cell outside the grid is moved to the border. Longitudes may differ from the grid's by full turns.
+    /// millionth of a cell away from a line of grid points is moved onto the line. A place in the outer half of a border
+    /// cell is moved to the outermost points, as a GIS gives it the value of that cell. Longitudes may differ from the
+    /// grid's by full turns.
     ///
     /// # Errors
     /// If the grid has no map coordinates, or the place lies outside it.
-    pub fn place(&self, [x, y]: [f64; 2]) -> Result<[f64; 2], String> {
+    pub fn place(&self, at: [f64; 2]) -> Result<[f64; 2], String> {
         let georeference = self.georeference.as_ref().map_err(|why| not_placed(why))?;
-        let on_grid = |place: [f64; 2]| {
-            let place = georeference.place(place)?;
-            let nearest = self.nearest(place);
-            let ends = self.ends();
-            let on_axis = |k: usize| {
-                let ([first, last], line) = (ends[k], nearest[k]);
-                let at = if (place[k] - line).abs() <= ON_LINE { line } else { place[k] };
-                ((first - BORDER)..=last + BORDER).contains(&at).then(|| at.clamp(first, last))
-            };
-            Some([on_axis(0)?, on_axis(1)?])
+        let within = |at: [f64; 2], beyond: f64| {
+            let mut places = self.turned(georeference, at);
+            places.find_map(|place| self.moved_within(place, beyond))
         };
-        let turns = match georeference.system {
-            Some(CoordinateSystem::Geographic(_)) => &TURNS[..],
-            _ => &TURNS[..1],
+        let found = within(at, BORDER).or_else(|| within(at, HALF_CELL));
+        let swapped = || within([at[1], at[0]], BORDER).is_some();
+        found.ok_or_else(|| self.outside(georeference, at, swapped()))
+    }
+
+    /// Returns the row and column of map coordinates wherever they lie, on the turn of longitudes on which that is
+    /// closest to the grid, or `None` if there are none.
+    pub fn unbounded_place(&self, at: [f64; 2]) -> Option<[f64; 2]> {
+        let georeference = self.georeference.as_ref().ok()?;
+        let ends = self.ends();
+        let beyond = |place: &[f64; 2]| {
+            let [rows, cols] = [0, 1].map(|k| place[k] - place[k].clamp(ends[k][0], ends[k][1]));
+            rows.hypot(cols)
         };
-        let found = turns.iter().find_map(|turn| on_grid([x + turn, y]));
-        found.ok_or_else(|| self.outside(georeference, [x, y], on_grid([y, x]).is_some()))
+        self.turned(georeference, at).min_by(|a, b| beyond(a).total_cmp(&beyond(b)))
+    }
+
+    /// Returns the rows and columns of map coordinates. Longitudes are turned to that of the grid's middle and to one
+    /// turn before and after it.
+    fn turned<'a>(
+        &'a self,
+        georeference: &'a Georeference,
+        [x, y]: [f64; 2],
+    ) -> impl Iterator<Item = [f64; 2]> + 'a {
+        let turns = self.turn().map_or([None, None, None], |turn| {
+            let (last_row, last_col) = self.chart.last();
+            let middle =
+                georeference.coordinates([last_row, last_col].map(|last| 0.5 * last as f64));
+            let nearest = ((middle[0] - x) / turn).round();
+            [0.0, -1.0, 1.0].map(|other| Some(turn * (nearest + other)))
+        });
+        let turns = turns.into_iter().flatten();
+        // Coordinates on the grid's own turn stay exact.
+        let all = std::iter::once(0.0).chain(turns.filter(|turn| *turn != 0.0));
+        all.filter_map(move |turn| georeference.place([x + turn, y]))
+    }
+
+    /// Returns a place moved onto a line of grid points or onto an end of the surface, if it lies at most `beyond` cells
+    /// outside.
+    fn moved_within(&self, place: [f64; 2], beyond: f64) -> Option<[f64; 2]> {
+        let nearest = self.nearest(place);
+        let ends = self.ends();
+        let on_axis = |k: usize| {
+            let ([first, last], line) = (ends[k], nearest[k]);
+            // Where the surface goes on to an end beyond the grid's points, there is no border cell.
+            let [before, after] =
+                self.margins[k].map(|margin| if margin > 0.0 { BORDER } else { beyond });
+            let at = if (place[k] - line).abs() <= ON_LINE { line } else { place[k] };
+            ((first - before)..=last + after).contains(&at).then(|| at.clamp(first, last))
+        };
+        Some([on_axis(0)?, on_axis(1)?])
+    }
+
+    /// Returns the full turn of the map's first coordinate, if that is a longitude.
+    pub(super) fn turn(&self) -> Option<f64> {
+        let is_geographic = matches!(self.system(), Some(CoordinateSystem::Geographic(_)));
+        (is_geographic || self.in_degrees).then_some(TURN)
+    }
+
+    /// Returns whether the grid mirrors its map.
+    pub(super) fn is_mirrored(&self) -> bool {
+        self.georeference.as_ref().is_ok_and(Georeference::is_mirrored)
     }
 
     /// Returns a place given by row and column, if it lies on the surface. If the surface ends beyond the grid's
@@ -253,8 +312,25 @@ mod tests {
         fn places_outside_are_refused(row in -90.0..120.0f64, col in -90.0..140.0f64) {
             let utm = north_up([5e5, 4e6], 30.0, Some(CoordinateSystem::Projected(32616)));
             let at = utm.coordinates([row, col]);
-            let is_inside = (-0.01..=29.01).contains(&row) && (-0.01..=49.01).contains(&col);
-            prop_assert_eq!(frame(utm).place(at).is_ok(), is_inside);
+            let is_inside = (-0.5..=29.5).contains(&row) && (-0.5..=49.5).contains(&col);
+            let found = frame(utm).place(at);
+            prop_assert_eq!(found.is_ok(), is_inside);
+            if let Ok(place) = found {
+                let moved = [row.clamp(0.0, 29.0), col.clamp(0.0, 49.0)];
+                prop_assert!((0..2).all(|k| (place[k] - moved[k]).abs() < 1e-6));
+            }
+        }
+
+        #[test]
+        fn longitudes_may_differ_by_any_number_of_turns(
+            west in -360.0..360.0f64,
+            turns in -9..=9i32,
+            place in (0..30u32, 0..50u32),
+        ) {
+            let grid = frame(north_up([west, 20.0], 0.5, Some(CoordinateSystem::WGS_84)));
+            let place = [place.0, place.1].map(f64::from);
+            let [x, y] = grid.georeference.as_ref().unwrap().coordinates(place);
+            prop_assert_eq!(grid.place([x + 360.0 * f64::from(turns), y]), Ok(place));
         }
     }
 
@@ -282,6 +358,7 @@ mod tests {
         assert_eq!(world.place([190.0, 15.0]), Ok([10.0, 40.0]));
         assert_eq!(world.place([-170.0, 15.0]), Ok([10.0, 40.0]));
         assert_eq!(world.place([-530.0, 15.0]), Ok([10.0, 40.0]));
+        assert_eq!(world.place([194.7, 20.2]), Ok([0.0, 49.0]));
         assert!(world.place([194.8, 20.2]).is_err());
         let wider = world.clone().with_margins([[0.5, 0.0], [0.0, 1.0]]);
         assert_eq!(wider.place([195.0, 20.25]), Ok([-0.5, 50.0]));

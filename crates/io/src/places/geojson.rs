@@ -114,16 +114,13 @@ impl Reader {
         depth: usize,
     ) -> Result<(), String> {
         self.system(geometry.foreign_members.as_ref())?;
-        let mut add = |positions: &[Position], kind| {
+        let mut add = |positions: &[Position], kind: CurveKind| {
             let vertex = |position: &Position| match position.as_slice() {
-                &[x, y, ..] => Ok(Vertex { place: [x, y], start, number }),
+                &[x, y, ..] => Ok(Vertex { place: [x, y], start, number, value: None }),
                 _ => Err("a position needs two numbers".to_string()),
             };
             let mut vertices: Vec<_> = positions.iter().map(vertex).collect::<Result<_, _>>()?;
-            if kind == CurveKind::Ring
-                && vertices.len() > 1
-                && vertices[0] == vertices[vertices.len() - 1]
-            {
+            if kind.is_ring() && vertices.len() > 1 && vertices[0] == vertices[vertices.len() - 1] {
                 vertices.pop();
             }
             if !vertices.is_empty() {
@@ -141,11 +138,12 @@ impl Reader {
                 coordinates.iter().try_for_each(|line| add(line, CurveKind::Line))
             }
             GeometryValue::Polygon { coordinates } => {
-                coordinates.iter().try_for_each(|ring| add(ring, CurveKind::Ring))
+                rings(coordinates).try_for_each(|(ring, kind)| add(ring, kind))
             }
-            GeometryValue::MultiPolygon { coordinates } => {
-                coordinates.iter().flatten().try_for_each(|ring| add(ring, CurveKind::Ring))
-            }
+            GeometryValue::MultiPolygon { coordinates } => coordinates
+                .iter()
+                .flat_map(|polygon| rings(polygon))
+                .try_for_each(|(ring, kind)| add(ring, kind)),
             GeometryValue::GeometryCollection { geometries } => {
                 let depth =
                     depth.checked_sub(1).ok_or("geometry collections are nested too deeply")?;
@@ -173,6 +171,12 @@ impl Reader {
             _ => Ok(()),
         }
     }
+}
+
+/// Returns the rings of a polygon. The first is the outer one.
+fn rings<T>(polygon: &[T]) -> impl Iterator<Item = (&T, CurveKind)> {
+    let kinds = std::iter::once(CurveKind::Ring).chain(std::iter::repeat(CurveKind::Hole));
+    polygon.iter().zip(kinds)
 }
 
 /// Returns the EPSG number of a member `crs`, which OGC writes in several ways.
@@ -219,7 +223,7 @@ mod tests {
 
     #[test]
     fn every_kind_of_geometry_is_read() {
-        use CurveKind::{Line, Points, Ring};
+        use CurveKind::{Hole, Line, Points, Ring};
         let (a, b, c) = ([1.0, 2.0], [3.0, 4.5], [-5.0, 6.0]);
         for (kind, coordinates, expected) in [
             ("Point", "[1,2,99]", vec![(Points, vec![a])]),
@@ -231,6 +235,11 @@ mod tests {
                 vec![(Line, vec![a, b]), (Line, vec![c, a])],
             ),
             ("Polygon", "[[[1,2],[3,4.5],[-5,6],[1,2]]]", vec![(Ring, vec![a, b, c])]),
+            (
+                "Polygon",
+                "[[[1,2],[3,4.5],[-5,6],[1,2]],[[1,2],[3,4.5],[-5,6],[1,2]]]",
+                vec![(Ring, vec![a, b, c]), (Hole, vec![a, b, c])],
+            ),
             (
                 "MultiPolygon",
                 "[[[[1,2],[3,4.5],[-5,6],[1,2]]],[[[1,2],[3,4.5],[-5,6],[1,2]]]]",

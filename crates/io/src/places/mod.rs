@@ -12,7 +12,8 @@ mod text;
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
-use super::{IoError, extension, read_bytes, read_mask};
+use super::arrays::read_mask_values;
+use super::{IoError, extension, read_bytes};
 use content::{Content, Coordinates, CurveKind, FileCurve, FileCurves, Vertex};
 pub use frame::GridFrame;
 use geosweep_surface::Chart;
@@ -67,6 +68,17 @@ pub struct PlacedPoint {
     pub at: [f64; 2],
     /// Start value.
     pub start: f64,
+    /// The value of the cell, if the point comes from a raster.
+    pub value: Option<f64>,
+}
+
+/// A place of a file that is not on the grid.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Misplaced {
+    /// Description of the place, and why it is not on the grid.
+    pub reason: String,
+    /// Row and column of a point. A curve, and a point that has no row and column, has `None`.
+    pub near: Option<[f64; 2]>,
 }
 
 /// A curve on a grid.
@@ -76,6 +88,10 @@ pub struct PlacedCurve {
     pub vertices: Vec<[f64; 2]>,
     /// Start value.
     pub start: f64,
+    /// The value of the cell, if the curve is a point that comes from a raster.
+    pub value: Option<f64>,
+    /// Whether the curve is a ring of a polygon, whose inside lies to the left.
+    pub is_ring: bool,
 }
 
 impl PlaceFile {
@@ -87,7 +103,7 @@ impl PlaceFile {
         let content = |reason| IoError::content(path, reason);
         let read = match extension(path).as_str() {
             "npy" | "npz" => array::read(path)?,
-            "tif" | "tiff" | "asc" | "png" => Content::Raster(read_mask(path)?),
+            "tif" | "tiff" | "asc" | "png" => Content::Raster(read_mask_values(path)?),
             extension => {
                 let text = text::decode(read_bytes(path)?).map_err(content)?;
                 let is_json = matches!(extension, "geojson" | "json");
@@ -106,7 +122,7 @@ impl PlaceFile {
             Content::Curves(curves) => curves.curves.iter().all(|curve| curve.vertices.is_empty()),
             Content::Indices(indices) => indices.is_empty(),
             Content::Raster(raster) => {
-                if !raster.values.contains(&true) {
+                if !raster.values.iter().any(is_source) {
                     return Err(content("holds no source: all its cells are 0 or no-data".into()));
                 }
                 false
@@ -141,40 +157,73 @@ impl PlaceFile {
 
     /// Returns whether the file states that it holds lines or polygons.
     pub fn holds_lines(&self) -> bool {
-        let is_line = |curve: &FileCurve| matches!(curve.kind, CurveKind::Line | CurveKind::Ring);
+        let is_line = |curve: &FileCurve| curve.kind == CurveKind::Line || curve.kind.is_ring();
         matches!(&self.content, Content::Curves(curves) if curves.curves.iter().any(is_line))
     }
 
     /// Returns the places as points: every vertex once, in the order of the file.
     ///
     /// # Errors
-    /// If a place lies outside the grid; if places are in map coordinates and the surface has none, or is in
-    /// another coordinate system; if the file holds indices.
+    /// If places lie outside the grid; if places are in map coordinates and the surface has none, or is in another
+    /// coordinate system; if the file holds indices.
     pub fn points(&self, frame: &GridFrame) -> Result<Vec<PlacedPoint>, IoError> {
-        self.placed(&*self.file_curves(frame)?, frame)
+        self.all_placed(self.try_points(frame)?)
     }
 
-    fn placed(&self, curves: &FileCurves, frame: &GridFrame) -> Result<Vec<PlacedPoint>, IoError> {
+    /// Returns the places as points: every vertex once, in the order of the file, or the reason why it is not on the
+    /// grid.
+    ///
+    /// # Errors
+    /// If no place can be found: the other errors of [`PlaceFile::points`].
+    pub fn try_points(
+        &self,
+        frame: &GridFrame,
+    ) -> Result<Vec<Result<PlacedPoint, Misplaced>>, IoError> {
+        Ok(self.placed(&*self.file_curves(frame)?, frame))
+    }
+
+    fn placed(
+        &self,
+        curves: &FileCurves,
+        frame: &GridFrame,
+    ) -> Vec<Result<PlacedPoint, Misplaced>> {
         let point = |vertex: &Vertex| {
             let at = self.place(curves, vertex, frame)?;
-            Ok(PlacedPoint { at, start: vertex.start })
+            Ok(PlacedPoint { at, start: vertex.start, value: vertex.value })
         };
         curves.curves.iter().flat_map(FileCurve::once).map(point).collect()
     }
 
     /// Returns the places as curves. A point of GeoJSON or a cell of a raster is a curve of one vertex.
     ///
+    /// What lies to the left of a curve does so in a picture of the grid with rows downwards, if the file gives rows and
+    /// columns, and on the map, if it gives map coordinates: curves on a grid that mirrors the map are reversed. The
+    /// inside of a polygon lies to the left of its rings, whichever way the file runs around them.
+    ///
     /// # Errors
     /// The errors of [`PlaceFile::points`]. It is also an error if start values differ along a curve.
     pub fn curves(&self, frame: &GridFrame) -> Result<Vec<PlacedCurve>, IoError> {
+        self.all_placed(self.try_curves(frame)?)
+    }
+
+    /// Returns the places as curves, or the reason why the first misplaced vertex of a curve is not on the grid.
+    ///
+    /// # Errors
+    /// The other errors of [`PlaceFile::curves`].
+    pub fn try_curves(
+        &self,
+        frame: &GridFrame,
+    ) -> Result<Vec<Result<PlacedCurve, Misplaced>>, IoError> {
         let file = &*self.file_curves(frame)?;
         let mut placed = Vec::new();
         for curve in &file.curves {
             if curve.kind == CurveKind::Points {
-                for vertex in &curve.vertices {
+                let point = |vertex: &Vertex| {
                     let vertices = vec![self.place(file, vertex, frame)?];
-                    placed.push(PlacedCurve { vertices, start: vertex.start });
-                }
+                    let Vertex { start, value, .. } = *vertex;
+                    Ok(PlacedCurve { vertices, start, value, is_ring: false })
+                };
+                placed.extend(curve.vertices.iter().map(point));
                 continue;
             }
             let Some(first) = curve.vertices.first() else { continue };
@@ -189,15 +238,32 @@ impl PlaceFile {
                     what = file.numbered,
                 )));
             }
-            let place = |vertex| self.place(file, vertex, frame);
-            let mut vertices: Vec<_> =
-                curve.vertices.iter().map(place).collect::<Result<_, _>>()?;
-            if curve.kind.is_closed() {
-                vertices.push(vertices[0]);
-            }
-            placed.push(PlacedCurve { vertices, start: first.start });
+            let whole = || {
+                let directed = curve.with_inside_on_the_left(frame.turn());
+                let place = |vertex| self.place(file, vertex, frame);
+                let mut vertices: Vec<_> = directed.iter().map(place).collect::<Result<_, _>>()?;
+                if file.coordinates != Coordinates::Grid && frame.is_mirrored() {
+                    vertices.reverse();
+                }
+                if curve.kind.is_closed() {
+                    vertices.push(vertices[0]);
+                }
+                let (start, is_ring) = (first.start, curve.kind.is_ring());
+                Ok(PlacedCurve { vertices, start, value: None, is_ring })
+            };
+            // A curve cannot be moved as a point can.
+            placed.push(whole().map_err(|missed| Misplaced { near: None, ..missed }));
         }
         Ok(placed)
+    }
+
+    /// Returns what is placed, or an error that names the first places that are not on the grid.
+    fn all_placed<T>(&self, placed: Vec<Result<T, Misplaced>>) -> Result<Vec<T>, IoError> {
+        let missed: Vec<_> = placed.iter().filter_map(|placed| placed.as_ref().err()).collect();
+        match missed[..] {
+            [] => Ok(placed.into_iter().flatten().collect()),
+            _ => Err(self.content(misplaced(&missed))),
+        }
     }
 
     /// Returns the places as points of the grid, with whole rows and columns. In a frame with margins, a place may also
@@ -210,8 +276,8 @@ impl PlaceFile {
             let points = frame.chart.points();
             let index = |&value: &f64| {
                 let fits = value.fract() == 0.0 && (0.0..points as f64).contains(&value);
-                let point =
-                    || PlacedPoint { at: position(frame.chart, value as usize), start: 0.0 };
+                let at = || position(frame.chart, value as usize);
+                let point = || PlacedPoint { at: at(), start: 0.0, value: None };
                 fits.then(point).ok_or_else(|| {
                     let (last, value) = (points - 1, exact(value));
                     self.content(format!(
@@ -222,7 +288,7 @@ impl PlaceFile {
             return indices.iter().map(index).collect();
         }
         let curves = &*self.file_curves(frame)?;
-        let points = self.placed(curves, frame)?;
+        let points = self.all_placed(self.placed(curves, frame))?;
         let vertices = curves.curves.iter().flat_map(FileCurve::once);
         let is_between = |(_, point): &(&Vertex, &PlacedPoint)| frame.nearest(point.at) != point.at;
         match vertices.zip(&points).find(is_between) {
@@ -243,7 +309,12 @@ impl PlaceFile {
     /// the surface.
     fn file_curves(&self, frame: &GridFrame) -> Result<Cow<'_, FileCurves>, IoError> {
         let raster = match &self.content {
-            Content::Curves(curves) => return Ok(Cow::Borrowed(curves)),
+            Content::Curves(curves) => {
+                if let Coordinates::Map(map) = &curves.coordinates {
+                    map.check(frame).map_err(|reason| self.content(reason))?;
+                }
+                return Ok(Cow::Borrowed(curves));
+            }
             Content::Indices(indices) => {
                 return Err(self.content(format!(
                     "is an array of shape ({},); places have shape (K, 2): row, column, (K, 3) with a \
@@ -255,9 +326,11 @@ impl PlaceFile {
         };
         let Chart { rows, cols } = frame.chart;
         let cells = raster.fit_surface(&self.path, rows, cols, frame.georeference.as_ref().ok())?;
-        let meant = (0..).zip(cells).filter(|(_, meant)| *meant);
-        let vertex =
-            |(number, _)| Vertex { place: position(frame.chart, number), start: 0.0, number };
+        let meant = cells.into_iter().enumerate().filter(|(_, value)| is_source(value));
+        let vertex = |(number, value)| {
+            let place = position(frame.chart, number);
+            Vertex { place, start: 0.0, number, value: Some(value) }
+        };
         let points = FileCurve { vertices: meant.map(vertex).collect(), kind: CurveKind::Points };
         Ok(Cow::Owned(FileCurves {
             curves: vec![points],
@@ -271,21 +344,27 @@ impl PlaceFile {
         curves: &FileCurves,
         vertex: &Vertex,
         frame: &GridFrame,
-    ) -> Result<[f64; 2], IoError> {
-        let place = match &curves.coordinates {
-            Coordinates::Grid => on_grid(vertex.place, frame),
-            Coordinates::Map(map) => {
-                map.check(frame).map_err(|reason| self.content(reason))?;
-                frame.place(vertex.place)
-            }
-        };
-        let (what, number) = (curves.numbered, vertex.number);
-        place.map_err(|reason| self.content(format!("{what} {number}: {reason}")))
+    ) -> Result<[f64; 2], Misplaced> {
+        let is_map = curves.coordinates != Coordinates::Grid;
+        let place = if is_map { frame.place(vertex.place) } else { on_grid(vertex.place, frame) };
+        place.map_err(|reason| {
+            let (what, number) = (curves.numbered, vertex.number);
+            let near = match is_map {
+                true => frame.unbounded_place(vertex.place),
+                false => Some(vertex.place),
+            };
+            Misplaced { reason: format!("{what} {number}: {reason}"), near }
+        })
     }
 
     fn content(&self, reason: String) -> IoError {
         IoError::content(&self.path, reason)
     }
+}
+
+/// Returns whether a cell of a raster is a source: neither 0 nor no-data.
+fn is_source(value: &f64) -> bool {
+    *value != 0.0 && !value.is_nan()
 }
 
 /// Returns a place given by row and column, or an error if it does not lie on the surface.
@@ -298,6 +377,26 @@ fn on_grid(place: [f64; 2], frame: &GridFrame) -> Result<[f64; 2], String> {
              to {last_col}"
         )
     })
+}
+
+/// The number of places that a message lists.
+const MOST_PLACES: usize = 5;
+
+/// Returns a message on places that are not on the grid: the reason for a single one, otherwise how many there are, and
+/// the first of them.
+pub fn misplaced(places: &[&Misplaced]) -> String {
+    if let [only] = places {
+        return only.reason.clone();
+    }
+    let mut said = format!("{} places are not on the surface", places.len());
+    for (index, place) in places.iter().take(MOST_PLACES).enumerate() {
+        said += if index == 0 { ": " } else { "; " };
+        said += &place.reason;
+    }
+    if places.len() > MOST_PLACES {
+        said += &format!("; and {} more", places.len() - MOST_PLACES);
+    }
+    said
 }
 
 /// Returns the row and column of a grid point.

@@ -216,7 +216,7 @@ impl Rows<'_> {
         let is_one =
             |closed: usize| matches!(fields[closed].as_str(), "1" | "true" | "TRUE" | "True");
         Ok(Row {
-            vertex: Vertex { place, start: start.unwrap_or(0.0), number: record.line },
+            vertex: Vertex { place, start: start.unwrap_or(0.0), number: record.line, value: None },
             curve: columns.curve.map(|curve| fields[curve].clone()),
             is_closed: columns.closed.is_some_and(is_one),
         })

@@ -6,6 +6,8 @@ use roxmltree::Document;
 use super::directory::Directory;
 use super::layout::Sample;
 use crate::c_number::c_number;
+use crate::no_data::{Held, means_no_data};
+use crate::sidecars::Auxiliary;
 
 const GDAL_METADATA: Tag = Tag::Unknown(42112);
 
@@ -73,6 +75,20 @@ impl Metadata {
         Ok(metadata)
     }
 
+    /// Replaces metadata by those that are given in a file beside the picture.
+    pub fn replaced_by(mut self, other: &Auxiliary, sample: Sample) -> Result<Self, String> {
+        if let Some(text) = &other.no_data {
+            self.no_data.clear();
+            self.add_no_data(text, sample)?;
+        }
+        self.scale = other.scale.or(self.scale);
+        self.offset = other.offset.or(self.offset);
+        if other.unit.is_some() {
+            self.unit.clone_from(&other.unit);
+        }
+        Ok(self)
+    }
+
     fn add_no_data(&mut self, text: &str, sample: Sample) -> Result<(), String> {
         let text = text.trim();
         if text.is_empty() {
@@ -102,16 +118,9 @@ impl Metadata {
     pub fn is_no_data(&self, word: u64, sample: Sample) -> bool {
         self.no_data.iter().any(|no_data| match *no_data {
             NoData::Integer(bits) => bits == word,
-            NoData::Float(value) if sample.bits == 64 => {
-                let found = f64::from_bits(word);
-                found == value
-                    || (found - value).abs() < 2.0 * (f64::EPSILON * (found + value).abs())
-            }
-            // As in GDAL, the comparison is in single precision: the text may have fewer or more digits.
             NoData::Float(value) => {
-                let (found, value) = (sample.value(word) as f32, value as f32);
-                found == value
-                    || (found - value).abs() < 2.0 * (f32::EPSILON * (found + value).abs())
+                let held = if sample.bits == 64 { Held::Double } else { Held::Single };
+                means_no_data(sample.value(word), value, held)
             }
         })
     }

@@ -10,9 +10,10 @@ use ::tiff::tags::{Tag, Type};
 
 use super::directory::Directory;
 use super::epsg_units;
+use crate::ellipsoids::{self, not_degrees};
 use crate::file_spacing::{FileSpacing, LinearUnit};
 use crate::{CoordinateSystem, Georeference};
-use geosweep_surface::Spacing;
+use geosweep_surface::{Ellipsoid, Spacing};
 
 /// Keys of the GeoKeyDirectory, and some of their values.
 mod geo_key {
@@ -23,6 +24,12 @@ mod geo_key {
     pub const PIXEL_IS_AREA: u16 = 1;
     pub const PIXEL_IS_POINT: u16 = 2;
     pub const GEOGRAPHIC_SYSTEM: u16 = 2048;
+    pub const ANGULAR_UNITS: u16 = 2054;
+    pub const DEGREE: u16 = 9102;
+    pub const SEMI_MAJOR_AXIS: u16 = 2057;
+    pub const SEMI_MINOR_AXIS: u16 = 2058;
+    pub const INVERSE_FLATTENING: u16 = 2059;
+    pub const DOUBLES: u16 = 34736;
     pub const PROJECTED_SYSTEM: u16 = 3072;
     pub const PROJECTED_LINEAR_UNITS: u16 = 3076;
     pub const VERTICAL_SYSTEM: u16 = 4096;
@@ -63,19 +70,30 @@ impl GeoTags {
         })
     }
 
-    /// Returns the fields for rasters on WGS 84 whose pixels lie at these longitudes and latitudes, in degrees.
-    pub fn wgs84(georeference: &Georeference) -> Self {
+    /// Returns the fields for rasters whose pixels lie where a georeference puts them, in its coordinate reference
+    /// system if it names one.
+    pub fn new(georeference: &Georeference) -> Self {
+        let system = match georeference.system {
+            Some(CoordinateSystem::Geographic(epsg)) => {
+                [[geo_key::MODEL_TYPE, geo_key::GEOGRAPHIC], [geo_key::GEOGRAPHIC_SYSTEM, epsg]]
+            }
+            Some(CoordinateSystem::Projected(epsg)) => {
+                [[geo_key::MODEL_TYPE, geo_key::PROJECTED], [geo_key::PROJECTED_SYSTEM, epsg]]
+            }
+            None => return Self::of_transform(georeference),
+        };
+        let [[model, kind], [key, epsg]] = system;
         let keys = [
             [1, 1, 0, 3],
-            [geo_key::MODEL_TYPE, 0, 1, geo_key::GEOGRAPHIC],
+            [model, 0, 1, kind],
             [geo_key::RASTER_TYPE, 0, 1, geo_key::PIXEL_IS_AREA],
-            [geo_key::GEOGRAPHIC_SYSTEM, 0, 1, CoordinateSystem::WGS_84.epsg()],
+            [key, 0, 1, epsg],
         ];
         Self { keys: keys.as_flattened().to_vec(), ..Self::of_transform(georeference) }
     }
 
     /// Returns the fields for a transformation alone, without a coordinate reference system.
-    pub(crate) fn of_transform(georeference: &Georeference) -> Self {
+    fn of_transform(georeference: &Georeference) -> Self {
         let &Georeference { origin, down, right, .. } = georeference;
         // In the fields, row 0 and column 0 lie at the first pixel's corner.
         let corner = [0, 1].map(|k| origin[k] - 0.5 * (down[k] + right[k]));
@@ -93,6 +111,41 @@ impl GeoTags {
         Self { transformation: Some(matrix), ..Self::default() }
     }
 
+    /// Returns whether the fields place the pixels.
+    pub(super) fn is_placed(&self) -> bool {
+        self.linear().is_some() || self.tie_points.as_ref().is_some_and(|points| points.len() > 6)
+    }
+
+    /// Returns the fields with another transformation.
+    pub(super) fn moved_to(self, place: &Georeference) -> Self {
+        let Self { mut keys, doubles, text, .. } = self;
+        // The corners of pixels are given, whatever the pixels stand for.
+        for entry in keys.as_chunks_mut::<4>().0.iter_mut().skip(1) {
+            if entry[0] == geo_key::RASTER_TYPE {
+                entry[3] = geo_key::PIXEL_IS_AREA;
+            }
+        }
+        Self { keys, doubles, text, ..Self::of_transform(place) }
+    }
+
+    /// Returns the fields with the keys of another coordinate reference system.
+    pub(super) fn in_system(self, system: CoordinateSystem) -> Self {
+        let place = Georeference {
+            origin: [0.0; 2],
+            down: [0.0, -1.0],
+            right: [1.0, 0.0],
+            system: Some(system),
+        };
+        let point = self.key(geo_key::RASTER_TYPE) == Some(geo_key::PIXEL_IS_POINT);
+        let mut keys = Self::new(&place).keys;
+        for entry in keys.as_chunks_mut::<4>().0.iter_mut().skip(1) {
+            if entry[0] == geo_key::RASTER_TYPE && point {
+                entry[3] = geo_key::PIXEL_IS_POINT;
+            }
+        }
+        Self { keys, doubles: None, text: None, ..self }
+    }
+
     /// Returns whether the map coordinates are easting and northing.
     pub(crate) fn is_projected(&self) -> bool {
         self.key(geo_key::MODEL_TYPE) == Some(geo_key::PROJECTED)
@@ -102,6 +155,49 @@ impl GeoTags {
         // Entries are (key, location, count, value). Location 0 means that the entry holds the value itself.
         let (entries, _) = self.keys.as_chunks::<4>();
         entries.iter().skip(1).find(|entry| entry[..2] == [wanted, 0]).map(|entry| entry[3])
+    }
+
+    /// Returns the value of a key that is a floating-point number.
+    fn double(&self, wanted: u16) -> Option<f64> {
+        let (entries, _) = self.keys.as_chunks::<4>();
+        let is_wanted = |entry: &&[u16; 4]| entry[..2] == [wanted, geo_key::DOUBLES];
+        let entry = entries.iter().skip(1).find(is_wanted)?;
+        self.doubles.as_ref()?.get(usize::from(entry[3])).copied()
+    }
+
+    /// Returns the ellipsoid of longitudes and latitudes, or `None` if the file names no geographic system.
+    ///
+    /// # Errors
+    /// If longitudes and latitudes are not in degrees, or the file names a system whose ellipsoid is not known.
+    pub(super) fn ellipsoid(&self) -> Result<Option<Ellipsoid>, String> {
+        match self.key(geo_key::ANGULAR_UNITS) {
+            None | Some(geo_key::DEGREE) => {}
+            Some(9105) => return Err(not_degrees("grads (EPSG:9105)")),
+            Some(9101) => return Err(not_degrees("radians (EPSG:9101)")),
+            Some(unit) => return Err(not_degrees(&format!("the unit EPSG:{unit}"))),
+        }
+        let of_code = match self.code(geo_key::GEOGRAPHIC_SYSTEM) {
+            Some(code) => ellipsoids::of_system(code)?,
+            None => None,
+        };
+        let radius = self.double(geo_key::SEMI_MAJOR_AXIS);
+        let inverse = self.double(geo_key::INVERSE_FLATTENING);
+        let minor = self.double(geo_key::SEMI_MINOR_AXIS);
+        let own = radius.and_then(|radius| match (inverse, minor) {
+            (Some(inverse), _) => Ellipsoid::new(radius, inverse),
+            (None, Some(minor)) if minor == radius => Ellipsoid::new(radius, 0.0),
+            (None, Some(minor)) => Ellipsoid::new(radius, radius / (radius - minor)),
+            (None, None) => None,
+        });
+        match (own.or(of_code), self.key(geo_key::GEOGRAPHIC_SYSTEM)) {
+            (None, Some(code)) => Err(format!(
+                "it names a coordinate system ({}) whose ellipsoid is not known here; gdalwarp -t_srs EPSG:4326 makes a \
+                 grid on WGS 84",
+                self.code(geo_key::GEOGRAPHIC_SYSTEM)
+                    .map_or("its own".into(), |_| format!("EPSG:{code}"))
+            )),
+            (found, _) => Ok(found),
+        }
     }
 
     /// Returns the value of a key if it is an EPSG code.
@@ -342,6 +438,15 @@ impl GeoTags {
     }
 }
 
+/// Returns the length in metres of a unit that GDAL writes as text, if it is known.
+pub(crate) fn metres_of_unit(name: &str) -> Option<f64> {
+    match unit_code(name)? {
+        geo_key::METRE => Some(1.0),
+        geo_key::FOOT => Some(0.3048),
+        _ => Some(1200.0 / 3937.0),
+    }
+}
+
 /// Returns the code of a unit that GDAL writes as text.
 fn unit_code(name: &str) -> Option<u16> {
     match &name.trim().to_ascii_lowercase()[..] {
@@ -392,7 +497,7 @@ mod tests {
             let right = [0.25, 0.0];
             let system = Some(CoordinateSystem::WGS_84);
             let wanted = Georeference { origin: [8.0, 47.0], down: [0.0, down], right, system };
-            let tags = GeoTags::wgs84(&wanted);
+            let tags = GeoTags::new(&wanted);
             assert_eq!(tags.georeference(), Ok(wanted));
             assert!(matches!(tags.spacing(None), FileSpacing::Degrees(_)));
         }

@@ -22,12 +22,15 @@ use cure::Cure;
 use directory::{Directory, File};
 use gdal::Metadata;
 pub use geo_tags::GeoTags;
+pub(super) use geo_tags::metres_of_unit;
 use layout::Layout;
 pub(super) use write::{Pair32Float, encode};
 
 use super::file_spacing::FileSpacing;
 use super::limits::check_memory;
+use super::sidecars::Auxiliary;
 use super::{Georeference, Grid};
+use geosweep_surface::Ellipsoid;
 
 /// The values of a band. They are NaN where the file has no data.
 pub(super) struct Raster {
@@ -43,6 +46,8 @@ pub(super) struct Raster {
 pub(super) struct Location {
     pub georeference: Result<Georeference, String>,
     pub geo_tags: Option<GeoTags>,
+    /// The ellipsoid of longitudes and latitudes, if the file names it.
+    pub ellipsoid: Result<Option<Ellipsoid>, String>,
     /// The length of the unit of heights in metres.
     pub metres: Result<f64, String>,
 }
@@ -60,12 +65,21 @@ pub(super) enum Role {
 const REDUCED: u64 = 1;
 const MASK: u64 = 4;
 
-/// Decodes the first picture of a file. `mask_file` is the content of `FILE.msk`, if GDAL has stored the mask
-/// beside the file.
+/// What GDAL stores beside a file.
+pub(super) struct Beside<'a> {
+    /// The content of `FILE.msk`.
+    pub mask: Option<&'a [u8]>,
+    /// The location in a world file, which counts if the file has none.
+    pub world: Option<Georeference>,
+    /// The metadata in `FILE.aux.xml`, which replace those in the file.
+    pub auxiliary: Auxiliary,
+}
+
+/// Decodes the first picture of a file.
 pub(super) fn decode(
     path: &Path,
     bytes: &[u8],
-    mask_file: Option<&[u8]>,
+    beside: Beside,
     role: Role,
 ) -> Result<Raster, String> {
     let cure = Cure(path);
@@ -85,7 +99,16 @@ pub(super) fn decode(
     }
     check_memory::<[u64; 2]>(layout.rows * layout.cols)?;
     let metadata = Metadata::read(main, layout.sample)?;
-    let geo_tags = GeoTags::read(main)?;
+    let metadata = metadata.replaced_by(&beside.auxiliary, layout.sample)?;
+    let mut geo_tags = GeoTags::read(main)?;
+    if let Some(place) =
+        beside.auxiliary.transform.or(beside.world.filter(|_| !geo_tags.is_placed()))
+    {
+        geo_tags = geo_tags.moved_to(&place);
+    }
+    if let Some(system) = beside.auxiliary.system {
+        geo_tags = geo_tags.in_system(system);
+    }
     let mut values = values(&file, &layout, &metadata, &geo_tags)?;
     let mut hide = |point: usize, visible: bool| {
         if !visible {
@@ -102,7 +125,7 @@ pub(super) fn decode(
                 .map_err(|reason| format!("its mask: {reason}"))?;
         }
     }
-    if let Some(bytes) = mask_file {
+    if let Some(bytes) = beside.mask {
         let mut apply = || {
             let (file, first) = File::open(bytes)?;
             let directories = file.directories(first)?;
@@ -118,6 +141,7 @@ pub(super) fn decode(
         spacing: geo_tags.spacing(metadata.unit.as_deref()),
         location: Location {
             georeference,
+            ellipsoid: geo_tags.ellipsoid(),
             metres: geo_tags.metres_per_height(metadata.unit.as_deref()),
             geo_tags: Some(geo_tags),
         },

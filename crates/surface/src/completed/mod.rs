@@ -13,22 +13,45 @@ mod layout;
 mod lines;
 
 pub use grid::CompletedGrid;
-pub use layout::Layout;
+pub use layout::{LastLine, Layout};
 pub(super) use lines::completed;
 
 use super::{Chart, GluingError, Seam, Surface, SurfaceError};
 
 impl CompletedGrid {
     /// Finds the lines that the grid of an open surface lacks. A line that the grid has is not added: positions tell
-    /// which lines coincide. Opposite sides of heights or a metric are one line if all their values are equal.
+    /// which lines coincide. Opposite sides of heights or a metric with different values, holes or slowness are two
+    /// lines.
     ///
     /// # Errors
     /// [`GluingError`], in [`SurfaceError::Gluing`], if sides are neither the same line nor neighbours, the first or last
-    /// row surrounds no pole, the faces of a cube do not meet, or the grid is too small.
+    /// row surrounds no pole, the faces of a cube do not meet, or the grid is too small. Also if opposite sides of
+    /// heights or a metric are equal, so that they may be one line or two: [`Self::with_last_line`] says which.
     pub fn new(surface: &Surface, layout: Layout) -> Result<Self, SurfaceError> {
+        Self::find(surface, layout, None)
+    }
+
+    /// Finds the lines that the grid of an open surface lacks, as [`Self::new`] does, but is told whether the last line
+    /// repeats the first one.
+    ///
+    /// # Errors
+    /// The errors of [`Self::new`], except for equal sides. It is also an error if positions contradict `last`.
+    pub fn with_last_line(
+        surface: &Surface,
+        layout: Layout,
+        last: LastLine,
+    ) -> Result<Self, SurfaceError> {
+        Self::find(surface, layout, Some(last))
+    }
+
+    fn find(
+        surface: &Surface,
+        layout: Layout,
+        last: Option<LastLine>,
+    ) -> Result<Self, SurfaceError> {
         surface
             .check_open("the completion of a grid", "complete the surface before it is glued")?;
-        Ok(match layout.seams(surface)? {
+        Ok(match layout.seams(surface, last)? {
             Some(seams) => Self::with_seams(surface.chart(), &seams)?,
             None => cube::completed(surface)?,
         })

@@ -133,6 +133,9 @@ fn pairs_of_runs(chart: Chart, runs: &[[Run; 2]]) -> Result<Vec<[usize; 2]>, Glu
     }
 }
 
+/// Largest relative difference between the slownesses of copies of a point. Both are one number of the file, rounded.
+const SAME_SLOWNESS: f64 = 1e-3;
+
 impl Gluing {
     /// Returns the seams that the gluing names by sides of the grid.
     fn seams(&self) -> Cow<'_, [Seam]> {
@@ -299,10 +302,9 @@ impl Surface {
         let (first, slowness) = (|[a, _]: [usize; 2]| a, self.inputs.slowness.as_deref());
         for pair in glued.groups.pairs().filter(|&pair| self.inputs.present[first(pair)]) {
             if let Some([a, b]) = slowness.map(|slowness| pair.map(|index| slowness[index])) {
-                let (apart, edge) = ((a - b).abs(), a.max(b));
-                if apart > COINCIDENT * edge {
+                if (a - b).abs() > SAME_SLOWNESS * a.max(b) {
                     let places = pair.map(|index| self.chart.position(index));
-                    return Err(GluingError::Apart { places, apart, edge }.into());
+                    return Err(GluingError::Slowness { places, values: [a, b] }.into());
                 }
             }
         }

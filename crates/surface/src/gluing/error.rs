@@ -80,6 +80,37 @@ pub enum GluingError {
         /// Mean distance from each side to the next line inwards.
         step: f64,
     },
+    /// Opposite sides are equal, so that they may be one line of the surface or two.
+    #[error(
+        "the {} and the {} hold the same values, so they may be one line that the grid repeats or two lines one step \
+         apart; say whether the last line repeats the first one (with the tool, --wrap columns:repeated or \
+         columns:apart; in Python, CompletedGrid's last=\"repeated\" or \"apart\")",
+        .sides[0], .sides[1]
+    )]
+    Unclear {
+        /// The two sides.
+        sides: [GridSide; 2],
+    },
+    /// A side that should continue another one, or be a pole, has no point.
+    #[error(
+        "the {side} has only holes, so nothing goes on there; leave it out of the gluing, or give its points"
+    )]
+    Holes {
+        /// The side.
+        side: GridSide,
+    },
+    /// Copies of one point have different values of slowness.
+    #[error(
+        "row {}, column {} and row {}, column {} are the same point of the surface, but have a slowness of {} and of {}. \
+         Give both the same, or two lines that are apart (with the tool, --wrap columns:apart)",
+        .places[0].0, .places[0].1, .places[1].0, .places[1].1, .values[0], .values[1]
+    )]
+    Slowness {
+        /// Rows and columns of both points.
+        places: [(usize, usize); 2],
+        /// The slowness at each.
+        values: [f64; 2],
+    },
     /// A row should be at a pole or surround one, but does neither.
     #[error(
         "the {side} should be at a pole or surround one. Its points lie {inner:e} from their mean position on average, \
@@ -101,6 +132,17 @@ pub enum GluingError {
          other points as holes, and give each face at least 4 x 4 texels"
     )]
     NotCube {
+        /// Number of rows of the grid.
+        rows: usize,
+        /// Number of columns of the grid.
+        cols: usize,
+    },
+    /// A grid of an octahedral map without known positions is not a square with a point in the middle of each side.
+    #[error(
+        "an octahedral map of {rows} x {cols} points; its grid is a square with an odd number of points a side, so that \
+         a point lies in the middle of each side"
+    )]
+    NoOddSquare {
         /// Number of rows of the grid.
         rows: usize,
         /// Number of columns of the grid.

@@ -62,6 +62,11 @@ impl Glued {
     /// If the grid does not have the points, or the gluing depends on positions.
     #[doc(hidden)]
     pub fn of_grid(chart: Chart, gluing: &Gluing) -> Result<Self, GluingError> {
+        let Chart { rows, cols } = chart;
+        // With positions, sides that do not coincide are found. Here the size is all that is known.
+        if *gluing == Gluing::Octahedral && (rows != cols || rows % 2 == 0) {
+            return Err(GluingError::NoOddSquare { rows, cols });
+        }
         let Some(Compiled { pairs, lattice }) = Compiled::on_grid(chart, gluing)? else {
             return Err(GluingError::Unsupported {
                 what: "the gluing of charts whose positions are on a device",
@@ -100,8 +105,8 @@ impl Surface {
     /// Glues sides of the grid, so that fronts pass from one side to the other. A second gluing adds to the first.
     ///
     /// Points that are glued must coincide up to a twentieth of an edge and of the seam's size; each takes the position
-    /// of its first copy. Heights, metrics and slownesses of copies must agree in the same way, and each point takes those of its
-    /// first copy. A point becomes a hole if any of its copies is one.
+    /// of its first copy. Heights and metrics of copies must agree in the same way, and slownesses to a thousandth; each
+    /// point takes those of its first copy. A point becomes a hole if any of its copies is one.
     ///
     /// # Errors
     /// [`GluingError`], in [`SurfaceError::Gluing`], if the points do not coincide or the grid does not have
@@ -151,6 +156,13 @@ impl Surface {
     /// Returns whether grid lines have corners inside the grid.
     pub(super) fn has_corners(&self) -> bool {
         self.glued.as_ref().is_some_and(|glued| glued.lattice.is_folded)
+    }
+
+    /// Returns whether the surface is glued by this gluing and no other.
+    #[doc(hidden)]
+    pub fn is_glued_by(&self, gluing: &Gluing) -> bool {
+        let Some(glued) = &self.glued else { return false };
+        self.compile(gluing).is_ok_and(|compiled| Groups::of(compiled.pairs) == glued.groups)
     }
 
     /// Returns whether the points of a seam are glued.

@@ -19,7 +19,7 @@ use geosweep::{DEFAULT_TOLERANCE, DeviceChoice, Engine, Surface};
 use indicatif::ProgressBar;
 use serde::Serialize;
 
-use super::labels::{labels_output, stage_labels};
+use super::labels::{labels_output, numbers, stage_labels};
 use super::samples::{Sample, farthest_points, middle};
 use crate::choices::one_of;
 use crate::numbers::whole;
@@ -212,10 +212,10 @@ pub fn run(args: &Args) -> Outcome {
     let mut written = Written::default();
     {
         let _spinner = Spinner::new(if args.symmetrize { "symmetrizing" } else { "writing" });
-        let labels = samples
-            .as_ref()
-            .zip(labels)
-            .map(|(samples, output)| stage_labels(output, &scene, &samples.regions));
+        let labels = samples.as_ref().zip(labels).map(|(samples, output)| {
+            let regions = &samples.regions;
+            stage_labels(output, &scene, regions, &numbers(regions))
+        });
         let labels = labels.transpose()?;
         let finish = |file: MatrixFile| file.finish_while(|| !is_interrupted());
         if let Some((file, path)) = file.zip(args.output.as_ref()) {

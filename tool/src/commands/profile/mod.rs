@@ -132,7 +132,7 @@ pub fn run(args: &Args) -> Outcome {
     let earlier = args.against.as_deref().map(Earlier::read).transpose()?;
     let capture = args.renderdoc.then(renderdoc::Capture::new).transpose()?;
     let scene = args.surface.read()?;
-    let sources = args.sources.sources(&scene)?;
+    let sources = args.sources.sources(&scene)?.sources;
     let wanted = Wanted {
         surface: &scene.surface,
         of: args.pairwise.map_or(Of::Map(&sources), Of::Pairwise),

@@ -1,0 +1,78 @@
+//! Compares values with those that mean "no data", as GDAL does.
+
+/// The precision in which a file holds its values.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Held {
+    /// Integers, or floating-point numbers of at most 32 bits.
+    Single,
+    /// Floating-point numbers of 64 bits.
+    Double,
+}
+
+/// Returns whether a value means "no data". Files often give that value rounded, so numbers that agree to two units in
+/// the last place are equal. As in GDAL, the sum of two numbers near the largest one overflows, so that all of these
+/// are equal: -3.4e38 is -3.4028235e38.
+pub(super) fn means_no_data(found: f64, no_data: f64, held: Held) -> bool {
+    match held {
+        Held::Double => {
+            found == no_data
+                || (found - no_data).abs() < 2.0 * (f64::EPSILON * (found + no_data).abs())
+        }
+        Held::Single => {
+            let (found, no_data) = (found as f32, no_data as f32);
+            found == no_data
+                || (found - no_data).abs() < 2.0 * (f32::EPSILON * (found + no_data).abs())
+        }
+    }
+}
+
+/// Returns whether a value of an unknown type means "no data", given a value that a user has typed. Integers that single
+/// precision holds are compared exactly, so that 1000000 is not 1000001.
+pub(super) fn means_given_no_data(found: f64, no_data: f64) -> bool {
+    if no_data.is_nan() {
+        return found.is_nan();
+    }
+    let is_small_integer = found.fract() == 0.0 && found.abs() <= LARGEST_EXACT;
+    let is_single = f64::from(found as f32) == found;
+    let held = if is_single { Held::Single } else { Held::Double };
+    found == no_data || !is_small_integer && means_no_data(found, no_data, held)
+}
+
+/// All integers up to this one are numbers in single precision.
+const LARGEST_EXACT: f64 = (1 << 24) as f64;
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    #[test]
+    fn rounded_values_are_equal_as_for_gdal() {
+        // What rasterio 1.4 (GDAL 3.9) masks in an ESRI ASCII grid with these values and NODATA_value.
+        let largest = f64::from(f32::MAX);
+        for (found, no_data, is_equal) in [
+            (-largest, -3.4e38, true),
+            (-largest, -3.402823e38, true),
+            (-largest, -1.7976931348623157e308, false),
+            (-largest, 3.4e38, false),
+            (-9999.0, -9999.0, true),
+            (-9999.0, -9998.99, false),
+            (-32768.0, -32767.0, false),
+        ] {
+            assert_eq!(means_no_data(found, no_data, Held::Single), is_equal, "{found} {no_data}");
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn given_values_are_found_in_either_precision(value in -1e9..1e9f64, integer in -1_000_000..1_000_000i32) {
+            prop_assert!(means_given_no_data(f64::from(value as f32), value));
+            prop_assert!(means_given_no_data(value, value));
+            prop_assert!(!means_given_no_data(value * 1.001, value) || value == 0.0);
+            let integer = f64::from(integer);
+            prop_assert!(means_given_no_data(integer, integer));
+            prop_assert!(!means_given_no_data(integer, integer + 1.0));
+        }
+    }
+}
