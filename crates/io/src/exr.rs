@@ -70,7 +70,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Pixels, String> {
         return Ok(Pixels::Positions(Grid::new(rows, cols, values)));
     }
     let values: Vec<_> =
-        channels.iter().filter(|&one| !alpha.is_some_and(|alpha| alpha.name == one.name)).collect();
+        channels.iter().filter(|&one| alpha.is_none_or(|alpha| alpha.name != one.name)).collect();
     match values[..] {
         [single] => Ok(Pixels::Single(heights(single, rows, cols, is_hole))),
         _ => {

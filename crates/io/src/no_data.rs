@@ -32,10 +32,11 @@ pub(super) fn means_given_no_data(found: f64, no_data: f64) -> bool {
     if no_data.is_nan() {
         return found.is_nan();
     }
-    let is_small_integer = found.fract() == 0.0 && found.abs() <= LARGEST_EXACT;
+    let are_integers =
+        found.fract() == 0.0 && no_data.fract() == 0.0 && found.abs() <= LARGEST_EXACT;
     let is_single = f64::from(found as f32) == found;
     let held = if is_single { Held::Single } else { Held::Double };
-    found == no_data || !is_small_integer && means_no_data(found, no_data, held)
+    found == no_data || !are_integers && means_no_data(found, no_data, held)
 }
 
 /// All integers up to this one are numbers in single precision.

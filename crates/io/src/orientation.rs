@@ -138,11 +138,12 @@ mod tests {
             let on_grid = if on_grid == 0.0 { 360.0 } else { on_grid };
             let apart = |a: f32, b: f64| (f64::from(a) - b + 180.0).rem_euclid(360.0) - 180.0;
             let turned = at.orientation().unwrap();
-            let (bearing, angle) = (turned.compass(on_grid), turned.grass((450.0 - on_grid) % 360.0));
+            // An angle of 0 marks a source.
+            let counted = (450.0 - on_grid) % 360.0;
+            let counted = if counted == 0.0 { 360.0 } else { counted };
+            let (bearing, angle) = (turned.compass(on_grid), turned.grass(counted));
             prop_assert!(apart(bearing, east.atan2(north).to_degrees()).abs() < 1e-2);
-            if on_grid != 90.0 {
-                prop_assert!(apart(angle, north.atan2(east).to_degrees()).abs() < 1e-2);
-            }
+            prop_assert!(apart(angle, north.atan2(east).to_degrees()).abs() < 1e-2);
             for angle in [bearing, angle] {
                 prop_assert!(angle > 0.0 && angle <= 360.0);
             }

@@ -301,11 +301,11 @@ impl Surface {
         }
         let (first, slowness) = (|[a, _]: [usize; 2]| a, self.inputs.slowness.as_deref());
         for pair in glued.groups.pairs().filter(|&pair| self.inputs.present[first(pair)]) {
-            if let Some([a, b]) = slowness.map(|slowness| pair.map(|index| slowness[index])) {
-                if (a - b).abs() > SAME_SLOWNESS * a.max(b) {
-                    let places = pair.map(|index| self.chart.position(index));
-                    return Err(GluingError::Slowness { places, values: [a, b] }.into());
-                }
+            if let Some([a, b]) = slowness.map(|slowness| pair.map(|index| slowness[index]))
+                && (a - b).abs() > SAME_SLOWNESS * a.max(b)
+            {
+                let places = pair.map(|index| self.chart.position(index));
+                return Err(GluingError::Slowness { places, values: [a, b] }.into());
             }
         }
         if let Some(slowness) = &mut self.inputs.slowness {
