@@ -144,10 +144,12 @@ impl Face {
         let sources = self.sites();
         let map = self.solve(&sources)?;
         let voronoi = Voronoi::new(&self.surface, &self.edges, &sources, &map.distances)?;
+        let labels: Vec<_> = (0..).take(sources.iter().count()).collect();
         let regions = Regions {
             surface: &self.surface,
             shape: &self.surface,
             sources: &sources,
+            labels: &labels,
             values: &map.distances,
             voronoi: &voronoi,
             areas: None,
