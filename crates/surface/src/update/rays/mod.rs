@@ -388,9 +388,10 @@ mod tests {
                 let (triangle, ends, apex) = update(corners, [from, from]);
                 let ends = ends.map(|end| RayEnd { course: Course::new(end.course.0, 1), ..end });
                 let of_one = of_one_front(triangle, &ends, &apex);
-                // Beside its source the front turns too much along the base for the fast test.
-                assert!(of_one.is_one || away < 1.0, "{corners:?} {crossing} {away}");
-                for found in [rays(triangle, &ends, &apex), of_one.front] {
+                // Near its source the front turns too much along the base for the fast test.
+                assert!(of_one.is_one || away < 10.0, "{corners:?} {crossing} {away}");
+                let fast = of_one.is_one.then_some(of_one.front);
+                for found in fast.into_iter().chain([rays(triangle, &ends, &apex)]) {
                     let exact = from.time(x0);
                     assert!((found.front.time - exact).abs() < 1e-7 * exact, "{found:?} {exact}");
                     let turn = f64::angle_between(word(from.ray(x0)), found.course.0);
