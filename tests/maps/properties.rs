@@ -480,6 +480,8 @@ proptest! {
         numbers.iter().zip(&distances).for_each(|(&number, &distance)| expected[number] = distance);
         let expected: Vec<_> = places.iter().map(|&number| expected[number]).collect();
         let apart = difference(&found, &expected);
-        prop_assert!(apart < ROUNDING, "{apart:e}");
+        // On closed surfaces curved fronts carry their ray, whose direction is rounded to 1.5e-9.
+        let most = if wavefront == Wavefront::Curved { 1e-7 } else { ROUNDING };
+        prop_assert!(apart < most, "{apart:e}");
     }
 }

@@ -187,7 +187,7 @@ fn several_sources_in_long_cells_have_the_fronts_of_lone_ones() {
             let expected = alone[0][index].min(alone[1][index]);
             let at = (index / surface.cols(), index % surface.cols());
             assert!(
-                (found - expected).abs() <= 3e-3 * expected + 1e-6,
+                (found - expected).abs() <= 5e-3 * expected + 1e-6,
                 "{name} {places:?} at {at:?}: {found} {expected}"
             );
         }
