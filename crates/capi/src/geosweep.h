@@ -202,6 +202,10 @@ typedef enum GeosweepWavefront {
     // holes. This requires a surface that is known to be such a plane. Surfaces on a device are not known to
     // be planes, so they get curved fronts.
     GEOSWEEP_WAVEFRONT_ANCHORED = 3,
+    // Front that carries its curvature, its direction and its source, for maps on the CPU
+    // (`geosweep_cpu_map`): where fronts of several sources meet, or a front meets itself, each goes on alone. Solvers
+    // on a device use curved fronts in its place.
+    GEOSWEEP_WAVEFRONT_RAYS = 4,
 } GeosweepWavefront;
 
 // Buffer for the contours of a surface, and the passes that find them. Frames in flight on one queue share
