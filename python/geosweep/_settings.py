@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 from ._arrays import on_host
 
 Engine = Literal["auto", "cpu", "gpu"]
-Wavefront = Literal["auto", "planar", "circular", "curved", "anchored"]
+Wavefront = Literal["auto", "planar", "circular", "curved", "anchored", "rays"]
 
 
 class Settings(TypedDict):
@@ -54,8 +54,9 @@ def settings(
     """Check options, and return them as the compiled part takes them."""
     if engine not in ("auto", "cpu", "gpu"):
         refuse("engine", engine, "'auto', 'cpu' or 'gpu'")
-    if wavefront not in ("auto", "planar", "circular", "curved", "anchored"):
-        refuse("wavefront", wavefront, "'auto', 'planar', 'circular', 'curved' or 'anchored'")
+    if wavefront not in ("auto", "planar", "circular", "curved", "anchored", "rays"):
+        names = "'auto', 'planar', 'circular', 'curved', 'anchored' or 'rays'"
+        refuse("wavefront", wavefront, names)
     if iterations is not None and iterations < 1:
         raise ValueError(f"iterations={iterations!r}: at least one is needed")
     if threads is not None and threads < 1:
