@@ -21,7 +21,7 @@ use std::time::Duration;
 
 use geosweep::shown::{exact, seven_digits};
 use geosweep::surface::{Direction, EdgeLengths, Real};
-use geosweep::{DistanceMap, Options, Report, Sources, Surface, UsedEngine};
+use geosweep::{DistanceMap, Options, Report, Sources, Surface, UsedEngine, Wavefront};
 
 pub use args::{Problem, ProblemArgs};
 pub use curve_files::CurveFiles;
@@ -105,7 +105,12 @@ pub fn comment(report: &Report, options: &Options) {
     }
     if let Some(asked) = options.wavefront.filter(|&asked| asked != report.wavefront) {
         let solved = report.wavefront;
-        note!("solved with {solved} fronts, since {asked} ones are for a single source");
+        let reason = match solved {
+            Wavefront::Rays => "are early where fronts meet",
+            _ if asked == Wavefront::Rays => "are not for an uneven slowness",
+            _ => "are for a single source",
+        };
+        note!("solved with {solved} fronts, since {asked} ones {reason}");
     }
     if !report.converged {
         warn_of_no_convergence(options, report.iterations, report.residual, report.tolerance);

@@ -112,9 +112,9 @@ fn circular_fronts_for_several_sources_are_replaced_with_a_note() {
         "distance builtin:sphere:33x33 -s 3,4 -s 20,20 --json -o map.npy --wavefront circular";
     let output = bench.run(words);
     let said =
-        "geosweep: note: solved with curved fronts, since circular ones are for a single source";
+        "geosweep: note: solved with rays fronts, since circular ones are early where fronts meet";
     assert!(stderr(&output).contains(said), "{}", stderr(&output));
-    assert_eq!(json(&output)["wavefront"], "curved");
+    assert_eq!(json(&output)["wavefront"], "rays");
 }
 
 /// Along chords, the length around a cylinder is too short by a 24th of the squared angle between points.
