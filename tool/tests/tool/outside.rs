@@ -64,7 +64,7 @@ fn sources_elsewhere_are_refused_skipped_or_snapped() {
     for source in ["-s 4,6", "-s 4,99", "--source-xy 5065,9045"] {
         let line = format!("distance {grid} {source} --sources-outside skip -o d.npy");
         fresh.refuse(&line, &["no source lies on the surface"]);
-        fresh.refuse(&format!("distance {grid} {source} -o d.npy"), &["--sources-outside"]);
+        fresh.refuse(format!("distance {grid} {source} -o d.npy"), &["--sources-outside"]);
     }
 }
 

@@ -351,7 +351,7 @@ impl<R: Real> OnSpan<'_, R> {
         // Which triangles of a point to compute again: 1 for the left one, 2 for the right one.
         let mut again = [R::zero(); TILE];
         let mut any = false;
-        for i in 0..points {
+        for (i, again) in again[..points].iter_mut().enumerate() {
             let (left, right) = (first.valid(i), second.valid(i));
             let best = RayFront::first(left, right);
             let renewed = options.renews & span.carried[i].is_from(options.scan.0);
@@ -362,12 +362,12 @@ impl<R: Real> OnSpan<'_, R> {
             let right = along_edge | (second.is_doubtful(i) & !self.comes_after::<false>(i, until));
             any |= left | right;
             let of_left = if left { R::one() } else { R::zero() };
-            again[i] = of_left + if right { R::of(2.0) } else { R::zero() };
+            *again = of_left + if right { R::of(2.0) } else { R::zero() };
         }
         if any {
-            for i in 0..points {
-                if again[i] > R::zero() {
-                    let which = again[i].wide() as u8;
+            for (i, which) in again[..points].iter().enumerate() {
+                if *which > R::zero() {
+                    let which = which.wide() as u8;
                     self.compute_again(i, which, &mut first, &mut second);
                 }
             }

@@ -129,7 +129,7 @@ fn along_edges<R: Real>(
     let (end, edge) = (&ends[usize::from(second)], apex.edges[usize::from(second)]);
     let (time, length) = if second { (t2 + l2, l2) } else { (t1 + l1, l1) };
     let at_source = R::of(Seed::AT_SOURCE);
-    if !(time < R::FAR) {
+    if time >= R::FAR {
         let front = Front { time: R::FAR, curvature: R::zero(), whole: false };
         return RayFront { front, course: end.course };
     }
