@@ -45,7 +45,7 @@ fn places(
     let mut found: Vec<[f64; 2]> = Vec::new();
     while found.len() < count {
         let at = [rows, cols].map(|points| 1.5 + random.next() * (points as f64 - 4.0));
-        let at = if found.len() % 2 == 0 { at } else { at.map(f64::round) };
+        let at = if found.len().is_multiple_of(2) { at } else { at.map(f64::round) };
         let is_apart =
             |other: &[f64; 2]| (at[0] - other[0]).abs().max((at[1] - other[1]).abs()) > apart;
         if found.iter().all(is_apart) {
@@ -186,11 +186,11 @@ fn maps_do_not_depend_on_how_the_grid_lies() {
         &sources.map(|[r, c]| [r, (cols - 1) as f64 - c]),
     );
     let largest = first.iter().copied().fold(0.0, f64::max);
-    for index in 0..rows * cols {
+    for (index, own) in first.iter().enumerate() {
         let (row, col) = (index / cols, index % cols);
         for other in [turned[col * rows + row], mirrored[row * cols + cols - 1 - col]] {
-            let off = (first[index] - other).abs();
-            assert!(off < 2e-4 * largest, "{row},{col}: {} {other}", first[index]);
+            let off = (own - other).abs();
+            assert!(off < 2e-4 * largest, "{row},{col}: {own} {other}");
         }
     }
 }
