@@ -114,8 +114,11 @@ fn rows_of_matrices_are_maps() {
             for (&source, row) in sources.iter().zip(found.chunks_exact(chart.points())) {
                 let (r, c) = chart.position(source);
                 let map = distance_map(&surface, &Sources::point(r as f64, c as f64), &options);
-                let apart = difference(row, &map.unwrap().distances);
-                assert!(apart < 1e-5, "{gluing:?}, {engine:?}, {wavefront}: {apart:e}");
+                let map = map.unwrap();
+                let apart = difference(row, &map.distances);
+                // Rows have curved fronts where maps have rays.
+                let most = if map.report.wavefront == Wavefront::Rays { 0.1 } else { 1e-5 };
+                assert!(apart < most, "{gluing:?}, {engine:?}, {wavefront}: {apart:e}");
             }
         }
         let within = options(&Engine::Cpu, Wavefront::Planar).with_radius(6.0);

@@ -210,8 +210,7 @@ pub enum EngineKind {
     MapOnDevice,
     /// Fast marching.
     FastMarching,
-    /// The rows of a distance matrix on the CPU. They are solved map by map where fronts carry a value. Each has
-    /// the front of a single map.
+    /// The rows of a distance matrix on the CPU. They are solved map by map where fronts carry a value.
     Matrix,
     /// The rows of a distance matrix on a device, where fronts have no anchors.
     MatrixOnDevice,
@@ -258,7 +257,7 @@ impl Setting {
 
     /// Returns whether fronts carry their ray in place of their curvature alone.
     fn has_rays(self) -> bool {
-        matches!(self.engine, EngineKind::Map | EngineKind::Matrix) && self.fronts_meet
+        self.engine == EngineKind::Map && self.fronts_meet
     }
 
     fn is_map(self) -> bool {
@@ -339,7 +338,7 @@ mod tests {
         assert_eq!(resolved(Curved, meet), Ok(Rays));
         assert_eq!(resolved(Circular, Setting { sources: apart, ..meet }), Ok(Rays));
         assert_eq!(resolved(None, Setting { is_rough: true, ..meet }), Ok(Planar));
-        for engine in [EngineKind::MapOnDevice, EngineKind::MatrixOnDevice] {
+        for engine in [EngineKind::MapOnDevice, EngineKind::Matrix, EngineKind::MatrixOnDevice] {
             assert_eq!(resolved(None, Setting { engine, ..meet }), Ok(Curved));
         }
         let rough = Setting { is_rough: true, ..slow };
