@@ -12,7 +12,7 @@ use crate::{Real, Seed, max, min};
 pub struct FrontOfOne<R: Real> {
     /// The front. If it is not whole, its time is that along an edge, and the rest is not defined.
     pub front: RayFront<R>,
-    /// Whether one front has reached both ends of the base, so that [`rays`] has the same result. Otherwise
+    /// Whether one front has reached both ends of the base, so that [`super::rays`] has the same result. Otherwise
     /// this front is not valid.
     pub is_one: bool,
 }
