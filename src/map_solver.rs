@@ -36,7 +36,7 @@ pub struct MapSolver {
     wavefronts: Mutex<Vec<(Asked, Wavefront)>>,
 }
 
-/// What the choice of a kind of front depends on, besides the surface.
+/// The options, besides the surface, on which the choice of a kind of front depends.
 type Asked = (Option<Wavefront>, bool, SourceKind);
 
 /// The solvers of a precision that wait for their next map.

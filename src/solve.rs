@@ -182,7 +182,7 @@ pub(crate) struct Problem<'a> {
     /// The targets on the solver's grid.
     pub targets: Option<Targets>,
     pub monitor: Monitor,
-    /// What is kept from one map of the surface to the next.
+    /// The solvers that are kept from one map of the surface to the next.
     pub solver: Option<&'a MapSolver>,
 }
 

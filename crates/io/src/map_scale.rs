@@ -102,7 +102,7 @@ mod tests {
             let at = Georeference { origin, down: [0.0, -1.0], right: [1.0, 0.0], system };
             at.map_scale(Chart { rows: 3, cols: 3 }).map(|found| found.range[1])
         };
-        // What pyproj's get_factors gives for the scale along the parallel.
+        // The expected scales along the parallel are those of pyproj's get_factors.
         for (epsg, origin, expected) in [
             (3857, [1e6, 8_399_737.9], Some(2.0)),
             (3857, [1e6, 0.0], None),

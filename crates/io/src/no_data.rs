@@ -50,7 +50,7 @@ mod tests {
 
     #[test]
     fn rounded_values_are_equal_as_for_gdal() {
-        // What rasterio 1.4 (GDAL 3.9) masks in an ESRI ASCII grid with these values and NODATA_value.
+        // The expectations are the masks of rasterio 1.4 (GDAL 3.9) for an ESRI ASCII grid with these values.
         let largest = f64::from(f32::MAX);
         for (found, no_data, is_equal) in [
             (-largest, -3.4e38, true),

@@ -14,7 +14,7 @@ use super::Scene;
 use super::sources::GivenSources;
 use crate::terminal::counted;
 
-/// What becomes of sources that lie outside the surface.
+/// The treatment of sources that lie outside the surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum Outside {
     /// They are an error, which names the first of them

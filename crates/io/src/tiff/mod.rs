@@ -65,7 +65,7 @@ pub(super) enum Role {
 const REDUCED: u64 = 1;
 const MASK: u64 = 4;
 
-/// What GDAL stores beside a file.
+/// The metadata that GDAL stores beside a file.
 pub(super) struct Beside<'a> {
     /// The content of `FILE.msk`.
     pub mask: Option<&'a [u8]>,
