@@ -196,8 +196,8 @@ impl PlaceFile {
 
     /// Returns the places as curves. A point of GeoJSON or a cell of a raster is a curve of one vertex.
     ///
-    /// What lies to the left of a curve does so in a picture of the grid with rows downwards, if the file gives rows and
-    /// columns, and on the map, if it gives map coordinates: curves on a grid that mirrors the map are reversed. The
+    /// The left side of a curve is that in a picture of the grid with rows downwards, if the file gives rows and columns,
+    /// and that on the map, if it gives map coordinates: curves on a grid that mirrors the map are reversed. The
     /// inside of a polygon lies to the left of its rings, whichever way the file runs around them.
     ///
     /// # Errors
