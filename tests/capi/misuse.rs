@@ -106,7 +106,7 @@ fn unusable_arguments_of_a_solver_are_refused() {
     let host = Host::without_validation();
     let good = solver_info(&host);
     let pass = |schedule, wavefront| GeosweepPasses { schedule, wavefront };
-    let bad_passes = [pass(1, 0), pass(0, 0), pass(1, 4), pass(7, 0)];
+    let bad_passes = [pass(1, 0), pass(0, 0), pass(1, 5), pass(7, 0)];
     let with = |first: usize| GeosweepSolverInfo {
         passes: bad_passes[first..].as_ptr(),
         pass_count: 1,
@@ -312,7 +312,7 @@ fn refused_calls_record_nothing() {
             geosweep_record_add(surface, commands, &sources(&outside), plan) => "9",
             geosweep_record_resume(surface, commands, foreign) => "another solver",
             geosweep_record_outcome(surface, commands, 1) => "1 slots",
-            geosweep_record_result(surface, commands, 1, COPY, 1.0, null_mut()) => "1 slots",
+            geosweep_record_result(surface, commands, 1, COPY, f32::INFINITY, null_mut()) => "1 slots",
             geosweep_record_result(surface, commands, 0, undefined, 1.0, null_mut()) => "layout",
             geosweep_record_result(surface, commands, 0, COPY, 0.0, null_mut()) => "unreached",
             geosweep_record_lookup(surface, commands, 0, -1.0, none, none) => "0 lookups",
