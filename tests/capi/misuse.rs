@@ -126,7 +126,7 @@ fn unusable_arguments_of_a_solver_are_refused() {
         create(&GeosweepSolverInfo { passes: null(), ..good }) => "passes is null, and is said to have 4",
         create(&GeosweepSolverInfo { pass_count: u32::MAX, ..good }) => "4294967295 entries; at most 64",
         create(&with(1)) => "info->passes[0].schedule is GEOSWEEP_SCHEDULE_BEST",
-        create(&with(2)) => "info->passes[0].wavefront is 4, which is no GeosweepWavefront",
+        create(&with(2)) => "info->passes[0].wavefront is 5, which is no GeosweepWavefront",
         create(&with(3)) => "info->passes[0].schedule is 7, which is no GeosweepSchedule",
     }
     // The pointer is badly aligned, as may happen in C.

@@ -163,8 +163,9 @@ fn ring(rows: usize, cols: usize, width: f64) -> Surface {
     })
 }
 
-/// The front of each of several sources is that of a lone source where it arrives first. The bound is for places where
-/// fronts meet. Measured: 3e-4. Without surroundings of the sources, fronts were late by up to a fifth.
+/// The front of each of several sources is that of a lone source where it arrives first. Without surroundings of the
+/// sources, fronts were late by up to a fifth. The bound is for rings of cells of 60:1, around which rays arrive a
+/// third of a percent before the exact time, and the curved front of a lone source as much after it.
 #[test]
 fn several_sources_in_long_cells_have_the_fronts_of_lone_ones() {
     let open = |rows, cols, width| ring(rows, cols, width);
@@ -187,7 +188,7 @@ fn several_sources_in_long_cells_have_the_fronts_of_lone_ones() {
             let expected = alone[0][index].min(alone[1][index]);
             let at = (index / surface.cols(), index % surface.cols());
             assert!(
-                (found - expected).abs() <= 5e-3 * expected + 1e-6,
+                (found - expected).abs() <= 7e-3 * expected + 1e-6,
                 "{name} {places:?} at {at:?}: {found} {expected}"
             );
         }

@@ -23,8 +23,9 @@ fn matrices_leave_added_lines_out() {
     assert_eq!([&said["matrix_cols"], &said["points"]], [18 * 36, 18 * 36]);
     let rows = matrix(&bench, "rows.npy", 18 * 36);
     assert_eq!((rows.len(), rows[0][source], rows[1][source + 1]), (2, 0.0, 0.0));
+    // Rows have curved fronts, and maps those that carry their ray. Cells are 10 degrees wide.
     for (found, exact) in rows[0].iter().zip(bench.map("map.npy")) {
-        assert!((found - exact).abs() < 1e-4 * exact + 1.0, "{found} {exact}");
+        assert!((found - exact).abs() < 2e-3 * exact + 1.0, "{found} {exact}");
     }
     assert!((rows[0][source + 1] - rows[1][source]).abs() < 1e-3 * rows[1][source]);
     let said = bench.json(format!("canonical {cells} {GLOBE} pixel --json -o form.npy"));
@@ -63,7 +64,7 @@ fn regions_and_pairs_are_those_of_the_cells_of_the_file() {
     let row = bench.map("other.npy");
     assert_eq!(rows.len(), 3 * 648);
     for (found, exact) in rows[..648].iter().zip(&row) {
-        assert!((found - exact).abs() < 1e-3 * exact.max(1e6), "{found} {exact}");
+        assert!((found - exact).abs() < 2e-3 * exact.max(1e6), "{found} {exact}");
     }
     let line = format!("{all} -o near.npz --format csr --radius 1.5e6 --sources 323..324 --json");
     let said = bench.json(&line);

@@ -67,6 +67,11 @@ impl Groups {
         Some(&self.members[self.starts[number] as usize..self.starts[number + 1] as usize])
     }
 
+    /// Returns whether any group is a pole: more grid points than the four copies of a corner are one point.
+    pub(crate) fn have_poles(&self) -> bool {
+        self.starts.windows(2).any(|ends| ends[1] - ends[0] > 8)
+    }
+
     /// Returns the start of each group in [`Self::members`], followed by the number of members.
     #[inline]
     pub fn starts(&self) -> &[u32] {

@@ -136,6 +136,12 @@ impl Surface {
         self.glued.as_ref().map(|glued| &glued.groups)
     }
 
+    /// Returns whether a line of grid points is a single point of the surface, as at the poles of a globe.
+    #[doc(hidden)]
+    pub fn has_poles(&self) -> bool {
+        self.copies().is_some_and(Groups::have_poles)
+    }
+
     /// Returns whether sides of the grid are glued.
     pub fn is_glued(&self) -> bool {
         self.glued.is_some()

@@ -231,7 +231,10 @@ impl Setting {
             || surface.is_slowed_in_patches();
         let is_slowed_unevenly = surface.is_slowed_unevenly();
         let meet = sources.are_several() || surface.is_glued();
-        let fronts_meet = meet && !is_slowed_unevenly && !surface.has_even_cells();
+        // In the thin cells around a pole, rays that leave a curve come up to a cell early.
+        let from_beside_pole = sources == SourceKind::Curves && surface.has_poles();
+        let fronts_meet =
+            meet && !is_slowed_unevenly && !surface.has_even_cells() && !from_beside_pole;
         Self { is_floor_plan, is_rough, is_slowed_unevenly, fronts_meet, sources, engine }
     }
 
