@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::curved::{Accepted, FirstFronts, accept_all};
 use super::kind::{FrontKind, TriangleKind, Triangular};
 use super::lanes::LaneKind;
-use super::pushed::{MOST, Pushed};
+use super::pulled::{MOST, Pulled};
 use super::slowed::Seen;
 use super::surface_array::SurfaceArray;
 use crate::lines::line::ScanLine;
@@ -146,7 +146,7 @@ impl<R: Real> TriangleKind<R> for SlowedCurved<R> {
     }
 
     #[inline(always)]
-    fn arrivals(&self, triangles: &Pushed<R, Curvature<R>>, arrivals: &mut [Front<R>; MOST]) {
+    fn arrivals(&self, triangles: &Pulled<R, Curvature<R>>, arrivals: &mut [Front<R>; MOST]) {
         let causal = self.origins.are_causal();
         for start in (0..triangles.count).step_by(TILE) {
             let slowness = triangles.at_corners(start, &self.slowness);
@@ -199,7 +199,7 @@ fn updated_alone<R: Real>(
 /// Returns the fronts through [`TILE`] triangles.
 #[inline(always)]
 fn fronts_of<R: Real, const UNEVEN: bool>(
-    triangles: &Pushed<R, Curvature<R>>,
+    triangles: &Pulled<R, Curvature<R>>,
     start: usize,
     [s0, s1, s2]: &[[R; TILE]; 3],
     [g0, g1, g2]: &[[R; TILE]; 3],

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::kind::{FrontKind, TriangleKind, Triangular};
 use super::lanes::LaneKind;
-use super::pushed::{MOST, Pushed};
+use super::pulled::{MOST, Pulled};
 use super::slowed::Seen;
 use super::surface_array::SurfaceArray;
 use crate::lines::line::ScanLine;
@@ -107,7 +107,7 @@ impl<R: Real> TriangleKind<R> for SlowedPlanar<R> {
     }
 
     #[inline(always)]
-    fn arrivals(&self, triangles: &Pushed<R, ()>, arrivals: &mut [R; MOST]) {
+    fn arrivals(&self, triangles: &Pulled<R, ()>, arrivals: &mut [R; MOST]) {
         for start in (0..triangles.count).step_by(TILE) {
             let slowness = triangles.at_corners(start, &self.slowness);
             let mut uneven = false;
@@ -153,7 +153,7 @@ fn numbers<R: Real>(slowness: &R) -> [R; 2] {
 /// Returns the times of fronts through [`TILE`] triangles.
 #[inline(always)]
 fn times_of<R: Real, const UNEVEN: bool>(
-    triangles: &Pushed<R, ()>,
+    triangles: &Pulled<R, ()>,
     start: usize,
     [s0, s1, s2]: &[[R; TILE]; 3],
 ) -> [R; TILE] {

@@ -84,6 +84,12 @@ impl Buckets {
         self.number(a) == self.number(b)
     }
 
+    /// Returns whether a time comes after the bucket in work.
+    #[inline(always)]
+    pub(super) fn is_later(&self, time: f64) -> bool {
+        self.number(time) > self.now
+    }
+
     /// Returns a time before which all points have been taken.
     pub(super) fn time(&self) -> f64 {
         self.now as f64 / self.per_width

@@ -1,18 +1,18 @@
-//! Triangles through which points pass their fronts on to their neighbours, collected for SIMD lanes.
+//! Triangles through which fronts arrive at points, collected for SIMD lanes.
 
 use super::kind::TriangleKind;
 use crate::lines::span::TILE;
 use geosweep_surface::Real;
 use geosweep_surface::update::{Carried, Triangle};
 
-/// Number of points that pass on their fronts together. That hides the latency of memory and of divisions.
+/// Number of points whose fronts are computed together. That hides the latency of memory and of divisions.
 pub(crate) const BATCH: usize = 16;
 
 /// Largest number of triangles of such points: two for each of eight neighbours.
 pub(crate) const MOST: usize = 16 * BATCH;
 
-/// Triangles of a batch of points. In each, x1 is the point that passes its front on to x0.
-pub(crate) struct Pushed<R, C> {
+/// Triangles of a batch of points.
+pub(crate) struct Pulled<R, C> {
     pub count: usize,
     /// The corners x0, x1 and x2, as indices into bordered arrays.
     pub corners: [[u32; MOST]; 3],
@@ -25,7 +25,7 @@ pub(crate) struct Pushed<R, C> {
     pub alone: [bool; MOST],
 }
 
-impl<R: Real, C: Carried> Pushed<R, C> {
+impl<R: Real, C: Carried> Pulled<R, C> {
     pub(crate) fn new() -> Self {
         Self {
             count: 0,
@@ -40,14 +40,14 @@ impl<R: Real, C: Carried> Pushed<R, C> {
     #[inline(always)]
     pub(crate) fn add(
         &mut self,
-        corners: [u32; 3],
+        corners: [usize; 3],
         Triangle { t1, t2, l1, l2, c }: Triangle<R>,
         [c1, c2]: [C; 2],
         alone: bool,
     ) {
         let k = self.count;
         let [x0, x1, x2] = &mut self.corners;
-        (x0[k], x1[k], x2[k]) = (corners[0], corners[1], corners[2]);
+        (x0[k], x1[k], x2[k]) = (corners[0] as u32, corners[1] as u32, corners[2] as u32);
         (self.times[0][k], self.times[1][k]) = (t1, t2);
         (self.carried[0][k], self.carried[1][k]) = (c1, c2);
         (self.lengths[0][k], self.lengths[1][k], self.lengths[2][k]) = (l1, l2, c);
@@ -103,7 +103,7 @@ impl<R: Real, C: Carried> Pushed<R, C> {
     }
 }
 
-/// [`TILE`] triangles of [`Pushed`].
+/// [`TILE`] triangles of [`Pulled`].
 pub(super) struct Lanes<'a, R, C> {
     times: [&'a [R; TILE]; 2],
     lengths: [&'a [R; TILE]; 3],
