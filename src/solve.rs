@@ -149,16 +149,21 @@ fn only_single(what: &str) -> Error {
 
 /// Returns the peak number of values per grid point in memory, including edges and result. In single precision these
 /// are 40 bytes (`tests/memory/resident.rs`) and the 4 bytes of the result. Fronts that carry their ray take another 8
-/// bytes, and the fans of points 20.
-fn numbers_of_point(wavefront: Wavefront) -> usize {
-    if wavefront == Wavefront::Rays { 18 } else { 11 }
+/// bytes, and the fans of points 20. Over an uneven slowness, fronts, slowness and curvature have values of their own,
+/// and points in the order of time another four lengths and their places in the queue.
+fn numbers_of_point(surface: &Surface, wavefront: Wavefront) -> usize {
+    match wavefront {
+        Wavefront::Rays => 18,
+        _ if surface.is_slowed_unevenly() => 16,
+        _ => 11,
+    }
 }
 
 /// Returns an error if the memory for a map is not available. The engines themselves would end the process in
 /// that case.
 fn check_memory<R: Real>(surface: &Surface, wavefront: Wavefront) -> Result<(), Error> {
     let points = surface.chart().points();
-    let bytes = points.saturating_mul(numbers_of_point(wavefront) * size_of::<R>());
+    let bytes = points.saturating_mul(numbers_of_point(surface, wavefront) * size_of::<R>());
     let mut room = Vec::<u8>::new();
     let there = room.try_reserve_exact(bytes);
     // Without this, compilers remove the allocation as unused.
@@ -255,6 +260,7 @@ impl<'a> Problem<'a> {
             Some(targets) => solver.solve_to(&self.seeds, targets, self.stop),
             None => solver.solve(&self.seeds, self.stop),
         };
+        let schedule = if solver.is_in_order_of_time() { "order-of-time" } else { "rotated-scan" };
         self.monitor.check()?;
         let mut time = start.elapsed();
         let distances = match self.solver {
@@ -269,7 +275,7 @@ impl<'a> Problem<'a> {
                 distances
             }
         };
-        let mut report = self.report(UsedEngine::Cpu, "rotated-scan", time);
+        let mut report = self.report(UsedEngine::Cpu, schedule, time);
         (report.iterations, report.residual) = (convergence.iterations, convergence.residual);
         Ok(self.finish(distances, report))
     }

@@ -278,14 +278,16 @@
 // A metric jumps fully where the ratio of lengths exceeds EVEN_SLOWNESS by 1 / JUMPS_PER_RATIO, and in part where
 // the ratio lies between both limits.
 #define JUMPS_PER_RATIO 2.0
-// Number of Newton steps that find where a ray crosses the base of a triangle with an uneven slowness. In single
-// precision, two steps suffice where the slowness is smooth, and three where it jumps.
-#define CROSSING_STEPS 3
+// Largest difference of the slownesses at the corners of a triangle, as a part of the sum of two of them, up to which one
+// Newton step finds where a ray crosses the base. Beyond it the update takes three steps.
+#define EVEN_CORNERS 0.01
 // Part of the least positive slowness that counts where the slowness is 0. Travel is free there, but edges
 // need a length.
 #define FREE 1e-6
 // A renderer's frame does not know the least positive slowness, and raises any smaller slowness to this
 // value.
 #define LEAST_SLOWNESS 1e-12
-// Largest magnitude of the cosine from which the place of a ray on the base is guessed.
+// Largest magnitude of the cosine from which the place of a ray on the base is guessed, where the slowness is uneven and
+// where it is even.
 #define STEEPEST_GUESS 0.95
+#define STEEPEST 0.9999

@@ -8,13 +8,11 @@ vec4 jump_of(vec4 a, vec4 b, vec4 c) {
     return vec4(notEqual((tags_of(a) | tags_of(b) | tags_of(c)) & JUMPS, uvec4(0u)));
 }
 
-// Returns whether triangles are obtuse at x0 on the surface, without the slowness. `s0`, `s1` and `s2` are the
-// slownesses at x0, x1 and x2, by which the costs of the edges are divided.
-bvec4 are_obtuse_on_surface(vec4 l1, vec4 l2, vec4 c, vec4 s0, vec4 s1, vec4 s2) {
-    vec4 per_base = (s1 + s2) / c;
-    vec4 side = l1 / (s0 + s1) * per_base;
-    vec4 other = l2 / (s0 + s2) * per_base;
-    return both(lessThan(c, vec4(FAR)), lessThan(side * side + other * other, vec4(OBTUSE)));
+// Returns where the slownesses at the corners of a triangle differ so much that a single step does not find the place
+// where the ray crosses the base.
+bvec4 are_uneven(vec4 s0, vec4 s1, vec4 s2) {
+    vec4 even = EVEN_CORNERS * (s1 + s2);
+    return either(greaterThan(abs(s2 - s1), even), greaterThan(abs(s0 - s1), even));
 }
 
 // Returns the shape of a triangle on the surface from the costs of its edges. `of_side` and `of_other` are the mean
@@ -25,84 +23,100 @@ Shape shape_on_surface(vec4 side, vec4 other, vec4 base, vec4 of_side, vec4 of_o
     return shape;
 }
 
+// Returns whether triangles are obtuse at x0 on the surface, without the slowness. `s0`, `s1` and `s2` are the
+// slownesses at x0, x1 and x2, by which the costs of the edges are divided.
+bvec4 are_obtuse_on_surface(vec4 l1, vec4 l2, vec4 c, vec4 s0, vec4 s1, vec4 s2) {
+    vec4 per_base_slowness = 1.0 / (s1 + s2);
+    Shape shape = shape_on_surface(l1, l2, c, (s0 + s1) * per_base_slowness, (s0 + s2) * per_base_slowness);
+    vec4 squares = shape.side * shape.side + shape.other * shape.other;
+    return both(lessThan(c, vec4(FAR)), lessThan(squares, vec4(OBTUSE)));
+}
+
 // Costs of the rays from the base to x0, in units of the cost of the base. The ray from the place w of the base costs
-// sqrt((w - foot)^2 + height^2) (near + slope w). Places count from 0 at the end that the front reaches later to 1 at
-// the other end. `near` is the mean slowness along the ray from place 0, divided by the mean slowness along the base.
-// `slope` is the same for the ray from place 1, less `near`. `jump` is 1 where crossing_of() starts from a refracted
-// ray, else 0.
+// sqrt((w - foot)^2 + height^2) (near + slope w). Places count from 0 at one end of the base to 1 at the other end.
+// `near` is the mean slowness along the ray from place 0, divided by the mean slowness along the base. `slope` is the
+// same for the ray from place 1, less `near`. `uneven` tells where the slowness is uneven (are_uneven()).
 struct Rays {
     vec4 foot, height;
-    vec4 near, slope, jump;
+    vec4 near, slope;
+    bvec4 uneven;
 };
 
 // Arrival time of a front along the base, in units of the cost of the base: the time of a circular front of curvature
-// `kappa`, less a bulge. The derivative of the circle's time along the base is `-cos_a` at the later end. `d` is the
-// time at the other end less the time at the later end. `bulge` is the part of the time's second derivative that a
-// smoothly varying slowness adds to that of the circle.
+// `kappa`, less a bulge. The derivative of the circle's time along the base is `-cos_a` at the later end. `bulge` is the
+// part of the time's second derivative that a smoothly varying slowness adds to that of the circle.
 struct Slope {
-    vec4 d, kappa, cos_a, sin_a, bulge;
+    vec4 kappa, cos_a, sin_a, bulge;
 };
 
-// Place at which a ray crosses the base, and the time from the front's arrival at the later end until it arrives at x0
-// through this place (`rise`). `beyond` is the approximate place if the base continued beyond its ends.
-struct Crossing {
-    vec4 place, rise, beyond;
-};
-
-// Returns the crossings of the base by the rays along which the fronts arrive first. Newton's method starts from
-// `guess`. Where `rays.jump` is 1, it starts from the place that the law of refraction gives.
-Crossing crossing_of(Slope front, Rays rays, vec4 guess) {
+// Returns the places that the law of refraction gives for straight fronts, whose times along the base rise by `d`.
+vec4 refracted_place(Rays rays, vec4 d) {
     vec4 across = rays.near + rays.slope * clamp(rays.foot, 0.0, 1.0);
-    vec4 straight = clamp(-(front.d + rays.slope * rays.height) / across, -STEEPEST_GUESS, STEEPEST_GUESS);
-    vec4 refracted = rays.foot + rays.height * straight / sqrt((1.0 - straight) * (1.0 + straight));
-    vec4 place = clamp(guess, 0.0, 1.0);
-    place = place + (clamp(refracted, 0.0, 1.0) - place) * rays.jump;
+    vec4 steepest = mix(vec4(STEEPEST), vec4(STEEPEST_GUESS), rays.uneven);
+    vec4 cosine = clamp(-(d + rays.slope * rays.height) / across, -steepest, steepest);
+    return clamp(rays.foot + rays.height * cosine / sqrt((1.0 - cosine) * (1.0 + cosine)), 0.0, 1.0);
+}
+
+// Returns the next places by a step of Newton's method for straight fronts.
+vec4 next_place(Rays rays, vec4 d, vec4 place) {
+    vec4 from_foot = place - rays.foot;
+    vec4 squared_height = rays.height * rays.height;
+    vec4 squared = from_foot * from_foot + squared_height;
+    vec4 mean = rays.near + rays.slope * place;
+    vec4 falls = d * sqrt(squared) + mean * from_foot + rays.slope * squared;
+    vec4 convex = squared_height * mean;
+    vec4 bends = convex + 2.0 * rays.slope * from_foot * squared;
+    return clamp(place - falls * squared / max(bends, 0.25 * convex), 0.0, 1.0);
+}
+
+// Returns the next places by a step of Newton's method, on the line of the base beyond its ends too.
+vec4 place_beyond(Slope front, Rays rays, vec4 place) {
     vec4 squared = rays.height * rays.height;
-    Crossing first = Crossing(place, vec4(FAR), place);
-    for (int step = 0; step <= CROSSING_STEPS; step++) {
-        vec4 n = (front.kappa * place - front.cos_a * 2.0) * place;
-        vec4 root = sqrt(max(1.0 + front.kappa * n, 1e-4));
-        vec4 along = front.kappa * place - front.cos_a;
-        vec4 from_foot = place - rays.foot;
-        vec4 distance = sqrt(from_foot * from_foot + squared);
-        vec4 mean = rays.near + rays.slope * place;
-        vec4 rise = n / (1.0 + root) - 0.5 * front.bulge * (place * (1.0 - place)) + distance * mean;
-        first.place = mix(first.place, place, lessThan(rise, first.rise));
-        first.rise = min(rise, first.rise);
-        vec4 per_root = 1.0 / root;
-        vec4 per_distance = 1.0 / distance;
-        vec4 cosine = from_foot * per_distance;
-        vec4 falls = along * per_root - front.bulge * (0.5 - place) + mean * cosine + rays.slope * distance;
-        vec4 spreads = max(front.kappa, 0.0) * (front.sin_a * front.sin_a) * (per_root * per_root * per_root);
-        vec4 convex = spreads + squared * mean * (per_distance * per_distance * per_distance);
-        vec4 bends = convex + 2.0 * rays.slope * cosine + front.bulge;
-        first.beyond = place - falls / max(bends, 0.25 * convex);
-        place = clamp(first.beyond, 0.0, 1.0);
-    }
-    return first;
+    vec4 n = (front.kappa * place - front.cos_a * 2.0) * place;
+    vec4 per_root = 1.0 / sqrt(max(1.0 + front.kappa * n, 1e-4));
+    vec4 along = front.kappa * place - front.cos_a;
+    vec4 from_foot = place - rays.foot;
+    vec4 per_distance = 1.0 / sqrt(from_foot * from_foot + squared);
+    vec4 mean = rays.near + rays.slope * place;
+    vec4 cosine = from_foot * per_distance;
+    vec4 squared_distance = from_foot * from_foot + squared;
+    vec4 falls = along * per_root - front.bulge * (0.5 - place) + mean * cosine + rays.slope * (squared_distance * per_distance);
+    vec4 spreads = max(front.kappa, 0.0) * (front.sin_a * front.sin_a) * (per_root * per_root * per_root);
+    vec4 convex = spreads + squared * mean * (per_distance * per_distance * per_distance);
+    vec4 bends = convex + 2.0 * rays.slope * cosine + front.bulge;
+    return place - falls / max(bends, 0.25 * convex);
+}
+
+// Returns the costs of the rays from places of the base.
+vec4 cost_of_ray(Rays rays, vec4 place) {
+    vec4 from_foot = place - rays.foot;
+    return sqrt(from_foot * from_foot + rays.height * rays.height) * (rays.near + rays.slope * place);
+}
+
+// Returns the time from the front's arrival at the later end of the base until it arrives at x0 through a place.
+vec4 rise_through(Slope front, Rays rays, vec4 place) {
+    vec4 n = (front.kappa * place - front.cos_a * 2.0) * place;
+    vec4 root = sqrt(max(1.0 + front.kappa * n, 1e-4));
+    return n / (1.0 + root) - 0.5 * front.bulge * (place * (1.0 - place)) + cost_of_ray(rays, place);
 }
 
 // Returns the arrival times at x0 of straight fronts, given the slowness `s0` at x0.
 vec4 planar_slowed(EndFronts end1, EndFronts end2, vec4 s0, vec4 l1, vec4 l2, vec4 c) {
     vec4 along_edge = edge_step(end1.time, end2.time, l1, l2);
-    bvec4 swap = lessThan(end1.time, end2.time);
-    vec4 t = mix(end1.time, end2.time, swap);
-    vec4 near_t = mix(end2.time, end1.time, swap);
-    vec4 l = mix(l1, l2, swap);
-    vec4 near_l = mix(l2, l1, swap);
-    vec4 s = mix(end1.slowness, end2.slowness, swap);
-    vec4 near_s = mix(end2.slowness, end1.slowness, swap);
-    vec4 per_base_slowness = 1.0 / (s + near_s);
-    vec4 from_far = (s0 + s) * per_base_slowness;
-    vec4 from_near = (s0 + near_s) * per_base_slowness;
-    Shape shape = shape_on_surface(l, near_l, c, from_far, from_near);
-    vec4 d = (near_t - t) * shape.per_base;
+    vec4 per_base_slowness = 1.0 / (end1.slowness + end2.slowness);
+    vec4 from_x1 = (s0 + end1.slowness) * per_base_slowness;
+    vec4 from_x2 = (s0 + end2.slowness) * per_base_slowness;
+    Shape shape = shape_on_surface(l1, l2, c, from_x1, from_x2);
+    vec4 d = (end2.time - end1.time) * shape.per_base;
     // Where there is no triangle, the following values are discarded, but NaN could spread from them.
     vec4 height = sqrt(mix(vec4(1.0), shape.height_squared, shape.whole));
-    Rays rays = Rays(shape.foot, height, from_far, from_near - from_far, vec4(1.0));
-    Crossing crossing = crossing_of(Slope(d, vec4(0.0), -d, vec4(0.0), vec4(0.0)), rays, vec4(0.0));
-    bvec4 within = both(greaterThan(crossing.place, vec4(0.0)), lessThan(crossing.place, vec4(1.0)));
-    vec4 time = t + c * max(crossing.rise, 0.0);
+    Rays rays = Rays(shape.foot, height, from_x1, from_x2 - from_x1, are_uneven(s0, end1.slowness, end2.slowness));
+    vec4 place = next_place(rays, d, refracted_place(rays, d));
+    if (any(rays.uneven)) {
+        place = mix(place, next_place(rays, d, next_place(rays, d, place)), rays.uneven);
+    }
+    bvec4 within = both(greaterThan(place, vec4(0.0)), lessThan(place, vec4(1.0)));
+    vec4 time = max(end1.time + c * (d * place + cost_of_ray(rays, place)), max(end1.time, end2.time));
     return min(along_edge, mix(along_edge, time, both(shape.whole, within)));
 }
 
@@ -147,15 +161,23 @@ Fronts curved_slowed(EndFronts end1, EndFronts end2, vec4 g0, vec4 s0, vec4 l1, 
     vec4 across = sqrt(max((1.0 - along) * (1.0 + along), 0.0));
     vec4 rises = (own - (far + p * (near - far))) / h;
     vec4 bulge = (1.0 - jump) * (along * (near - far) - across * rises);
-    Rays rays = Rays(p, h, from_far, from_near - from_far, jump);
-    vec4 guess = (cos_a * h + sin_a * p) / max(width, 1e-6);
-    Crossing crossing = crossing_of(Slope(d, kappa, cos_a, sin_a, bulge), rays, guess);
-    vec4 place = crossing.place;
+    Rays rays = Rays(p, h, from_far, from_near - from_far, are_uneven(s0, end1.slowness, end2.slowness));
+    Slope front = Slope(kappa, cos_a, sin_a, bulge);
+    vec4 guess = clamp((cos_a * h + sin_a * p) / max(width, 1e-6), 0.0, 1.0);
+    // Where the slowness jumps, the guess is the place of a straight front instead.
+    guess = guess + (refracted_place(rays, d) - guess) * jump;
+    vec4 beyond = place_beyond(front, rays, guess);
+    if (any(rays.uneven)) {
+        vec4 next = clamp(place_beyond(front, rays, clamp(beyond, 0.0, 1.0)), 0.0, 1.0);
+        beyond = mix(beyond, place_beyond(front, rays, next), rays.uneven);
+    }
+    vec4 place = clamp(beyond, 0.0, 1.0);
+    vec4 rise = rise_through(front, rays, place);
     vec4 by_far = t + l;
     vec4 by_near = near_t + near_l;
     vec4 later = t + t * (CLEARLY_LATER * PRECISION);
     vec4 least = mix(vec4(0.0), d, both(are_upright(shape), bvec4(!causal)));
-    vec4 time = t + c * max(crossing.rise, least);
+    vec4 time = t + c * max(rise, least);
     bvec4 within = both(greaterThan(place, vec4(0.0)), lessThan(place, vec4(1.0)));
     bvec4 is_first = both(lessThanEqual(time, min(by_far, by_near)), either(bvec4(!causal), greaterThanEqual(time, later)));
     bvec4 inside = both(both(is_front, within), is_first);
@@ -165,9 +187,9 @@ Fronts curved_slowed(EndFronts end1, EndFronts end2, vec4 g0, vec4 s0, vec4 l1, 
     vec4 edge = mix(near_l, l, is_from_far);
     vec4 edge_g = mix(near_g, g, is_from_far);
     vec4 edge_s = mix(near, far, is_from_far);
-    bvec4 reaches_far = both(is_from_far, greaterThanEqual(crossing.beyond, vec4(-GRAZING)));
+    bvec4 reaches_far = both(is_from_far, greaterThanEqual(beyond, vec4(-GRAZING)));
     bvec4 is_known = either(bvec4(!causal), lessThan(later, by_near));
-    bvec4 past_near = both(lessThanEqual(crossing.beyond, vec4(1.0 + GRAZING)), is_known);
+    bvec4 past_near = both(lessThanEqual(beyond, vec4(1.0 + GRAZING)), is_known);
     bvec4 reaches_near = both(not(is_from_far), past_near);
     bvec4 ahead = both(is_front, either(reaches_far, reaches_near));
     bvec4 turns = both(either(shape.whole, alone), not(ahead));
@@ -190,7 +212,7 @@ Fronts curved_slowed(EndFronts end1, EndFronts end2, vec4 g0, vec4 s0, vec4 l1, 
 
     vec4 from = far + place * (near - far);
     vec4 spreads = 1.0 + jump * (1.0 / (from * own) - 1.0);
-    vec4 spread = max(crossing.rise, 0.0) * spreads;
+    vec4 spread = max(rise, 0.0) * spreads;
     vec4 far_end = far_kappa / max(1.0 + far_kappa * spread, FOCUS);
     vec4 near_end = near_kappa / max(1.0 + near_kappa * (spread - d * spreads), FOCUS);
     vec4 per_own = 1.0 / (own * own);

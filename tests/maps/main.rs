@@ -47,5 +47,6 @@ mod sampling;
 mod shared_edges;
 mod slowness;
 mod tile_order;
+mod times;
 mod uneven_steps;
 mod voronoi;

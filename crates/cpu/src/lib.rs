@@ -9,7 +9,8 @@
 //! [`RotatedScan`] updates a row from the row behind it, sixteen points at once with AVX-512 (`line_update.rs`).
 //! Columns are updated as rows of a transposed panel of sixteen (`panel.rs`, `transposed.rs`). A scan visits only tiles
 //! beside which something has changed since it last passed (`tiles.rs`), and only if that change has an effect
-//! (`due.rs`). On large grids, all threads scan patches in the order in which fronts reach them (`patches/`).
+//! (`due.rs`). On large grids, all threads scan patches in the order in which fronts reach them (`patches/`). Over a rough
+//! slowness, points are updated one by one in that order (`buckets/`).
 
 mod behind;
 mod ceilings;

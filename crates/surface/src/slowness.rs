@@ -8,7 +8,7 @@ use std::sync::OnceLock;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-use super::chart::{Cell, Direction, bilinear};
+use super::chart::{Cell, Chart, bilinear};
 use super::error::check_shape;
 use super::geometry::{Geometry, MetricTensor, Point};
 use super::inputs::Inputs;
@@ -106,32 +106,30 @@ impl Surface {
         if !self.is_slowed_unevenly() {
             return None;
         }
-        let mut bordered = vec![R::one(); self.chart.bordered_points()];
-        self.chart.rows_mut(&mut bordered).enumerate().for_each(|(row, line)| {
-            for (col, here) in line.iter_mut().enumerate().filter(|&(col, _)| self.has(row, col)) {
-                let slowness_here = held::<R>(self.slowness_to_updates(self.chart.index(row, col)));
-                *here = slowness_here.with_tag(self.jumps_at((row, col)));
+        let chart = self.chart;
+        let mut wide = vec![f64::NAN; chart.bordered_points()];
+        chart.rows_mut(&mut wide).enumerate().for_each(|(row, line)| self.write_row(row, line));
+        let mut bordered = vec![R::one(); chart.bordered_points()];
+        chart.rows_mut(&mut bordered).enumerate().for_each(|(row, line)| {
+            let mut jumps = vec![0; line.len()];
+            mark_jumps(chart.rows_around(&wide, row), &mut jumps);
+            let there = chart.row_of(&wide, row).iter().zip(jumps);
+            for (here, (&slowness, tag)) in line.iter_mut().zip(there) {
+                if !slowness.is_nan() {
+                    *here = held::<R>(slowness).with_tag(tag);
+                }
             }
         });
         Some(bordered)
     }
 
-    /// Returns [`JUMPS`] if the slowness jumps at a point that is present, else 0. It jumps if it differs
-    /// from the slowness of a neighbour by more than a quarter, or if its second difference along a line of
-    /// points is large; the second differences of a smooth slowness are small.
-    fn jumps_at(&self, (row, col): (usize, usize)) -> u8 {
-        let own = self.slowness_to_updates(self.chart.index(row, col));
-        let neighbour = |to: Direction| {
-            let (row, col) = self.chart.neighbour(row, col, to)?;
-            self.has(row, col).then(|| self.slowness_to_updates(self.chart.index(row, col)))
-        };
-        let jumps = Direction::ALL.into_iter().any(|to| {
-            let Some(there) = neighbour(to) else { return false };
-            let is_uneven = there.max(own) > EVEN_SLOWNESS * there.min(own);
-            let back = neighbour(to.opposite());
-            is_uneven || back.is_some_and(|back| (there - own + (back - own)).abs() > ROUGH * own)
-        });
-        if jumps { JUMPS } else { 0 }
+    /// Writes the slowness of a row's points in the updates, NaN where there is no point.
+    fn write_row(&self, row: usize, line: &mut [f64]) {
+        for (col, here) in line.iter_mut().enumerate() {
+            let index = self.chart.index(row, col);
+            let present = self.inputs.present[index];
+            *here = if present { self.slowness_to_updates(index) } else { f64::NAN };
+        }
     }
 
     /// Returns whether the slowness jumps all over the surface: by more than a quarter along a twentieth of
@@ -144,17 +142,20 @@ impl Surface {
         if !self.is_slowed_unevenly() {
             return false;
         }
-        let (mut edges, mut jumps) = (0, 0);
-        for (row, col) in self.chart.places().filter(|&(row, col)| self.has(row, col)) {
-            let here = self.slowness_to_updates(self.chart.index(row, col));
-            let beside = [Direction::South, Direction::East]
-                .map(|to| self.chart.neighbour(row, col, to).filter(|&(r, c)| self.has(r, c)));
-            for (row, col) in beside.into_iter().flatten() {
-                let there = self.slowness_to_updates(self.chart.index(row, col));
-                edges += 1;
-                jumps += usize::from(here.max(there) > EVEN_SLOWNESS * here.min(there));
+        let Chart { rows, cols } = self.chart;
+        let in_row = |row: usize| {
+            let mut lines = [vec![f64::NAN; cols], vec![f64::NAN; cols]];
+            self.write_row(row, &mut lines[0]);
+            if row + 1 < rows {
+                self.write_row(row + 1, &mut lines[1]);
             }
-        }
+            let [line, next] = &lines;
+            let below = count_jumps(line, next);
+            let beside = count_jumps(&line[..cols - 1], &line[1..]);
+            [below[0] + beside[0], below[1] + beside[1]]
+        };
+        let sum = |a: [usize; 2], b: [usize; 2]| [a[0] + b[0], a[1] + b[1]];
+        let [edges, jumps] = (0..rows).into_par_iter().map(in_row).reduce(|| [0; 2], sum);
         PATCHES * jumps > edges
     }
 
@@ -222,6 +223,45 @@ impl Surface {
         };
         let held = if slowness > 0.0 { held(slowness) } else { R::zero() };
         [R::of(x), R::of(y), R::of(z), held]
+    }
+}
+
+/// Returns whether the slownesses of two neighbours differ by more than a quarter. NaN differs from nothing.
+#[inline(always)]
+fn differ(a: f64, b: f64) -> bool {
+    (a > EVEN_SLOWNESS * b) | (b > EVEN_SLOWNESS * a)
+}
+
+/// Returns the number of pairs of present points, and the number of those between which the slowness jumps.
+fn count_jumps(line: &[f64], others: &[f64]) -> [usize; 2] {
+    let (mut edges, mut jumps) = (0, 0);
+    for (&a, &b) in line.iter().zip(others) {
+        edges += usize::from(!(a + b).is_nan());
+        jumps += usize::from(differ(a, b));
+    }
+    [edges, jumps]
+}
+
+/// Sets a tag to [`JUMPS`] where the slowness jumps at a point of a row that is present: where it differs from the
+/// slowness of a neighbour by more than a quarter, or where its second difference along a line of points is large. The
+/// second differences of a smooth slowness are small. `rows` are the rows before, at and after it, with one point of the
+/// border on each side.
+fn mark_jumps(rows: [&[f64]; 3], tags: &mut [u8]) {
+    let [above, line, below] = rows.map(|row| &row[..tags.len() + 2]);
+    for (col, tag) in tags.iter_mut().enumerate() {
+        let own = line[col + 1];
+        let lines = [
+            [line[col], line[col + 2]],
+            [above[col + 1], below[col + 1]],
+            [above[col], below[col + 2]],
+            [above[col + 2], below[col]],
+        ];
+        let mut jumps = false;
+        for [there, back] in lines {
+            let second = (there - own + (back - own)).abs();
+            jumps |= differ(there, own) | differ(back, own) | (second > ROUGH * own);
+        }
+        *tag = if jumps { JUMPS } else { 0 };
     }
 }
 

@@ -4,6 +4,7 @@
 use std::ops::Range;
 
 use super::lanes::{Splits, splits_of_line};
+use super::pulled::{MOST, Pulled};
 use crate::behind::{Behind, TriangleSlots};
 use crate::lines::line::GridLines;
 use geosweep_surface::update::{Carried, StoredFront, Triangle, tag_of};
@@ -169,6 +170,13 @@ pub(crate) trait TriangleKind<R: Real>:
         _slowness: [R; 3],
     ) -> Self::Arrival {
         self.arrival(corners, triangle, carried, false)
+    }
+
+    /// Computes the fronts that arrive at x0 of triangles, as [`Self::face_arrival`] does. Implementations must be inlined
+    /// into loops over SIMD lanes.
+    #[inline(always)]
+    fn arrivals(&self, triangles: &Pulled<R, Self::Carried>, arrivals: &mut [Self::Arrival; MOST]) {
+        triangles.one_by_one(self, arrivals);
     }
 
     /// Returns whether a triangle is obtuse at x0.

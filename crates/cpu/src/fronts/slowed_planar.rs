@@ -4,12 +4,13 @@ use std::sync::Arc;
 
 use super::kind::{FrontKind, TriangleKind, Triangular};
 use super::lanes::LaneKind;
+use super::pulled::{MOST, Pulled};
 use super::slowed::Seen;
 use super::surface_array::SurfaceArray;
 use crate::lines::line::ScanLine;
 use crate::lines::span::{Before, LargestChanges, Span, TILE};
 use crate::scan::{Scan, UpdateOptions};
-use geosweep_surface::update::{Triangle, is_settled_slowed, planar_slowed};
+use geosweep_surface::update::{Triangle, is_uneven, planar_slowed, planar_slowed_at};
 use geosweep_surface::{Chart, Real, Seed, min};
 
 /// The front of [`geosweep_surface::Wavefront::Planar`] over a surface with an uneven slowness.
@@ -51,27 +52,21 @@ impl<R: Real> LaneKind<R> for SlowedPlanar<R> {
         line: &mut ScanLine<'_, '_, R, Self::Carried, Self::SurfaceData>,
         [start, points]: [usize; 2],
         splits: &[(usize, Option<Self::Arrival>)],
-        options: UpdateOptions,
+        _: UpdateOptions,
         changes: &mut LargestChanges<R>,
     ) -> Option<bool> {
         let span = line.span(start, points);
         let behind = line.surface_behind(start, points);
-        let seen = Seen { span: &span, behind, slowness: |slowness| slowness };
+        let seen = Seen::new(&span, behind, points, numbers);
         let is_alone = splits.iter().all(|(_, time)| time.is_none());
-        if is_alone && (span.leads(points) || stays(&seen, points, options.limit)) {
+        if is_alone && span.leads(points) {
             return None;
         }
-        let mut after = [R::zero(); TILE];
-        for (i, after) in after[..points].iter_mut().enumerate() {
-            let (left, left_slowness) = seen.triangle::<true>(i);
-            let (right, right_slowness) = seen.triangle::<false>(i);
-            let time =
-                min(planar_slowed(left, left_slowness), planar_slowed(right, right_slowness));
-            *after = min(span.times[i], time);
-        }
+        let mut after = through_both(&span, &seen, points);
         for &(point, time) in splits {
             if let Some(time) = time {
-                after[point - start] = min(after[point - start], time);
+                let i = point - start;
+                after[i] = first(after[i], time);
             }
         }
         let any = changes.note_times(span.times, &after[..points]);
@@ -88,8 +83,8 @@ impl<R: Real> LaneKind<R> for SlowedPlanar<R> {
         points: usize,
         options: UpdateOptions,
     ) -> bool {
-        let seen = Seen::before(before, first, &span, points, options.scan, |slowness| slowness);
-        span.leads(points) || stays(&seen, points, options.limit)
+        let seen = Seen::before(before, first, &span, points, options.scan, numbers);
+        span.leads(points) || stays(&span, &seen, points, options.limit)
     }
 }
 
@@ -111,21 +106,114 @@ impl<R: Real> TriangleKind<R> for SlowedPlanar<R> {
         planar_slowed(triangle, slowness)
     }
 
+    #[inline(always)]
+    fn arrivals(&self, triangles: &Pulled<R, ()>, arrivals: &mut [R; MOST]) {
+        for start in (0..triangles.count).step_by(TILE) {
+            let slowness = triangles.at_corners(start, &self.slowness);
+            let mut uneven = false;
+            for k in 0..TILE {
+                uneven |= is_uneven([slowness[0][k], slowness[1][k], slowness[2][k]]);
+            }
+            let times = if uneven {
+                times_of::<R, true>(triangles, start, &slowness)
+            } else {
+                times_of::<R, false>(triangles, start, &slowness)
+            };
+            arrivals[start..start + TILE].copy_from_slice(&times);
+        }
+    }
+
     fn is_obtuse(&self, corners: [usize; 3], triangle: Triangle<R>) -> bool {
         triangle.is_obtuse_on_surface(corners.map(|corner| self.slowness[corner]))
     }
 }
 
-/// Returns whether no front arrives earlier at any of the points.
+/// Returns the time through a triangle, of which only the edges count if it is obtuse. In double precision it is computed
+/// point by point: with loops in lanes of 64 bits, LLVM 22 fails to allocate the registers of AVX-512.
 #[inline(always)]
-fn stays<R: Real>(seen: &Seen<'_, R, (), R, impl Fn(R) -> R>, points: usize, limit: f64) -> bool {
-    let (mut settled, limit) = (true, R::of(limit));
-    for i in 0..points {
-        let now = min(seen.span.times[i], limit);
-        let (left, left_slowness) = seen.seen_from_beside::<true>(i);
-        let (right, right_slowness) = seen.seen_from_beside::<false>(i);
-        settled &= is_settled_slowed(left, None, left_slowness, now)
-            & is_settled_slowed(right, None, right_slowness, now);
+fn time_of<R: Real, const UNEVEN: bool>(triangle: Triangle<R>, slowness: [R; 3]) -> R {
+    if size_of::<R>() == size_of::<f64>() {
+        return time_alone(triangle, slowness);
     }
-    settled
+    planar_slowed_at::<R, UNEVEN, true>(triangle, slowness)
+}
+
+/// Returns the time of [`time_of`], out of line.
+#[inline(never)]
+fn time_alone<R: Real>(triangle: Triangle<R>, slowness: [R; 3]) -> R {
+    planar_slowed_at::<R, true, true>(triangle, slowness)
+}
+
+/// Returns the numbers of [`Seen`] in the data of a point.
+#[inline(always)]
+fn numbers<R: Real>(slowness: &R) -> [R; 2] {
+    [R::zero(), *slowness]
+}
+
+/// Returns the times of fronts through [`TILE`] triangles.
+#[inline(always)]
+fn times_of<R: Real, const UNEVEN: bool>(
+    triangles: &Pulled<R, ()>,
+    start: usize,
+    [s0, s1, s2]: &[[R; TILE]; 3],
+) -> [R; TILE] {
+    let lanes = triangles.lanes(start);
+    let mut times = [R::zero(); TILE];
+    for (k, time) in times.iter_mut().enumerate() {
+        let slowness = [s0[k], s1[k], s2[k]];
+        *time = time_of::<R, UNEVEN>(lanes.triangle(k), slowness);
+    }
+    times
+}
+
+/// Returns the earlier of the present time and that of an arriving front. Gains within rounding are ignored. Otherwise a
+/// change of the last digit would spread from point to point, and all these points would be visited again.
+#[inline(always)]
+fn first<R: Real>(now: R, time: R) -> R {
+    let is_earlier = time < now - now * (R::of(GAIN) * R::epsilon());
+    if is_earlier { time } else { now }
+}
+
+/// Least gain of an arrival time, in units of its rounding.
+const GAIN: f64 = 2.0;
+
+/// Returns the times of the points after an update from both of their triangles.
+#[inline(always)]
+fn through_both<R: Real>(span: &Span<'_, R, (), R>, seen: &Seen<R>, points: usize) -> [R; TILE] {
+    if seen.is_uneven(points) {
+        updated::<R, true>(span, seen, points)
+    } else {
+        updated::<R, false>(span, seen, points)
+    }
+}
+
+#[inline(always)]
+fn updated<R: Real, const UNEVEN: bool>(
+    span: &Span<'_, R, (), R>,
+    seen: &Seen<R>,
+    points: usize,
+) -> [R; TILE] {
+    let mut after = [R::zero(); TILE];
+    for (i, after) in after[..points].iter_mut().enumerate() {
+        let (triangle, slowness) = seen.triangle::<(), R, true>(span, i);
+        *after = time_of::<R, UNEVEN>(triangle, slowness);
+    }
+    for (i, after) in after[..points].iter_mut().enumerate() {
+        let (triangle, slowness) = seen.triangle::<(), R, false>(span, i);
+        let time = time_of::<R, UNEVEN>(triangle, slowness);
+        *after = first(span.times[i], min(*after, time));
+    }
+    after
+}
+
+/// Returns whether no front arrives earlier at any of the points. The update itself takes hardly longer than a bound of
+/// its time.
+#[inline(always)]
+fn stays<R: Real>(span: &Span<'_, R, (), R>, seen: &Seen<R>, points: usize, limit: f64) -> bool {
+    let (after, limit) = (through_both(span, seen, points), R::of(limit));
+    let mut stays = true;
+    for (i, &after) in after[..points].iter().enumerate() {
+        stays &= (after >= span.times[i]) | (after > limit);
+    }
+    stays
 }

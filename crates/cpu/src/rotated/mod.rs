@@ -1,5 +1,6 @@
-//! Solves by rotated raster scans in SIMD lanes. Large grids are solved by patches.
+//! Solves by rotated raster scans in SIMD lanes. Large grids are solved by patches, rough ones in the order of time.
 
+mod buckets;
 pub(crate) mod changed;
 pub(crate) mod due;
 mod exchange;

@@ -2,12 +2,13 @@
 
 use std::any::Any;
 
+use super::buckets::BucketScanner;
 use super::order::Order;
 use super::patches::PatchScanner;
 use super::scanner::Scanner;
 use super::scans::{PatchCounts, Scans};
 use crate::Instructions;
-use crate::fronts::for_kind;
+use crate::fronts::{FrontOver, for_kind};
 use crate::limit::Limit;
 use crate::solution::{Solution, distances};
 use crate::target_estimate::estimate_targets;
@@ -56,6 +57,13 @@ fn scanner<R: Real>(
     wavefront: Wavefront,
     order: Order,
 ) -> Box<dyn Scans<R>> {
+    if order == Order::Times {
+        match FrontOver::new(edges, wavefront) {
+            FrontOver::SlowedPlanar(kind) => return Box::new(BucketScanner::new(edges, kind)),
+            FrontOver::SlowedCurved(kind) => return Box::new(BucketScanner::new(edges, kind)),
+            _ => {}
+        }
+    }
     for_kind!(edges, wavefront, kind => match order.plan() {
         Some(plan) => Box::new(PatchScanner::new(edges, kind, plan)),
         None => Box::new(Scanner::new(edges, kind)),
@@ -92,6 +100,9 @@ const FURTHER: [f64; 6] = [0.02, 0.06, 0.15, 0.3, 0.6, 1.0];
 /// iterations: a front that turns back has to pass through the other pair of scans anyway. In either order the map is
 /// bit-identical for any number of threads. [`RotatedScan::new`] chooses the order by that number.
 ///
+/// Where a slowness changes much from point to point, points are updated in the order in which fronts reach them
+/// ([`Order::Times`]). Such a map takes one iteration, whatever [`Stop`] says, and ends at its targets or its radius.
+///
 /// With patches, the number of iterations of a map is that of the patch with the most iterations, and
 /// [`Stop::iterations`] limits the iterations of each patch. The residual is the largest change in the last iteration
 /// of any patch, or a larger change beside a patch that had no iterations left to process it.
@@ -112,7 +123,7 @@ pub struct RotatedScan<R> {
 impl<R: Real> RotatedScan<R> {
     /// Allocates the memory for maps of a surface. Uses the best instructions that are available.
     pub fn new(edges: &EdgeLengths<R>, wavefront: Wavefront) -> Self {
-        let order = Order::best_for(edges.chart(), rayon::current_num_threads());
+        let order = Order::best_on(edges, wavefront, rayon::current_num_threads());
         Self::in_order(edges, wavefront, order)
     }
 
@@ -208,9 +219,14 @@ impl<R: Real> RotatedScan<R> {
         let (chart, radius) = (self.chart, self.radius);
         let inside = |&[row, col]: &[usize; 2]| row < chart.rows && col < chart.cols;
         assert!(targets.points().iter().all(inside), "a target lies outside the grid");
-        let (estimate, foreseen) = estimate_targets(&self.edges, seeds, targets);
-        self.foreseen = foreseen;
-        let first = radius.min(estimate * (1.0 + FURTHER[0]));
+        let first = if self.scanner.is_in_order_of_time() {
+            self.foreseen = 0;
+            radius
+        } else {
+            let (estimate, foreseen) = estimate_targets(&self.edges, seeds, targets);
+            self.foreseen = foreseen;
+            radius.min(estimate * (1.0 + FURTHER[0]))
+        };
         self.scanner.settings().limit = Limit::to(targets, first);
         let mut convergence = self.scanner.solve(seeds, stop);
         let mut further = FURTHER[1..].iter();
@@ -302,6 +318,12 @@ impl<R: Real> RotatedScan<R> {
         let Convergence { iterations, residual } = convergence;
         let times = self.scanner.into_times();
         Solution::new(self.chart, times, iterations, residual).ending_at(self.end)
+    }
+
+    /// Returns whether maps are solved in the order of arrival times ([`Order::Times`]).
+    #[doc(hidden)]
+    pub fn is_in_order_of_time(&self) -> bool {
+        self.scanner.is_in_order_of_time()
     }
 
     /// Returns the rounds and visits of the last map, if it was solved by patches.

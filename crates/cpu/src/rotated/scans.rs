@@ -42,6 +42,11 @@ pub(crate) trait Scans<R>: std::fmt::Debug + Send + Sync {
         None
     }
 
+    /// Returns whether points are updated in the order of their times, so that a map ends once it has reached its targets.
+    fn is_in_order_of_time(&self) -> bool {
+        false
+    }
+
     fn boxed(&self) -> Box<dyn Scans<R>>;
 }
 

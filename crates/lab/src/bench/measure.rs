@@ -252,7 +252,7 @@ impl Bench<'_> {
     fn cpu_ceilings(&mut self, chart: Chart) -> cpu::CpuCeilings {
         let threads = rayon::current_num_threads();
         match Order::best_for(chart, threads) {
-            Order::Lines => self.cpu,
+            Order::Lines | Order::Times => self.cpu,
             Order::Patches { .. } => {
                 *self.patches.get_or_insert_with(|| cpu::CpuCeilings::measure(threads))
             }

@@ -45,7 +45,10 @@ pub use rays::{FrontOfOne, RayApex, RayEnd, RayFront, of_one_front, rays};
 #[doc(hidden)]
 pub use sight::{Sighted, Steps, curved_from_origins, line_to};
 #[doc(hidden)]
-pub use slowed::{curved_slowed, is_settled as is_settled_slowed, planar_slowed};
+pub use slowed::{
+    curved_slowed, curved_slowed_at, is_settled as is_settled_slowed, is_uneven, planar_slowed,
+    planar_slowed_at,
+};
 pub use wavefront::Wavefront;
 #[doc(hidden)]
 pub use wavefront::{EngineKind, Setting, SourceKind, Unsuited};
@@ -143,6 +146,12 @@ impl<R: Real> Shape<R> {
         let exists = (side < R::FAR) & (other < R::FAR) & (base < R::FAR);
         let shape = Self::new(side / of_side, other / of_other, base);
         Self { whole: shape.whole & exists, ..shape }
+    }
+
+    /// Returns whether the triangle is obtuse at x0.
+    #[inline(always)]
+    fn is_obtuse(&self) -> bool {
+        is_obtuse(self.side * self.side, self.other * self.other)
     }
 
     /// Returns whether no angle is obtuse by more than a few degrees, as in cells that are not sheared. Then

@@ -1,0 +1,206 @@
+//! A queue of points in buckets of arrival time.
+
+/// Number of buckets in the ring, a power of two.
+const RING: usize = 1 << 11;
+
+/// Points in buckets of arrival time. A bucket holds points in the order in which they came. The same point may be in
+/// several buckets; the caller knows which of these entries counts.
+#[derive(Clone, Debug)]
+pub(super) struct Buckets {
+    /// Reciprocal of the time that a bucket spans.
+    per_width: f64,
+    /// The buckets of the next times. Bucket n is at n modulo [`RING`].
+    ring: Vec<Vec<u32>>,
+    /// The bucket in work, and the number of its points that have been taken.
+    now: u64,
+    taken: usize,
+    /// Number of points in the ring.
+    held: usize,
+    /// Points of buckets beyond the ring, and the first of these buckets.
+    later: Vec<u32>,
+    first_later: u64,
+    /// Memory of buckets that were emptied.
+    free: Vec<Vec<u32>>,
+}
+
+impl Buckets {
+    /// Creates an empty queue of buckets that span `width` each.
+    pub(super) fn new(width: f64) -> Self {
+        Self {
+            per_width: width.recip(),
+            ring: vec![Vec::new(); RING],
+            now: 0,
+            taken: 0,
+            held: 0,
+            later: Vec::new(),
+            first_later: u64::MAX,
+            free: Vec::new(),
+        }
+    }
+
+    /// Removes all points.
+    pub(super) fn clear(&mut self) {
+        self.ring.iter_mut().for_each(Vec::clear);
+        self.later.clear();
+        (self.now, self.taken, self.held, self.first_later) = (0, 0, 0, u64::MAX);
+    }
+
+    /// Returns whether there are any points.
+    pub(super) fn has_points(&self) -> bool {
+        self.held > self.taken || !self.later.is_empty()
+    }
+
+    /// Lets points of any time be added again.
+    pub(super) fn restart(&mut self, time: impl Fn(u32) -> Option<f64>) {
+        let taken = self.taken;
+        let waiting: Vec<u32> = match self.has_points() {
+            true => (0..RING)
+                .flat_map(|ahead| {
+                    let at = (self.now as usize + ahead) % RING;
+                    let from = if ahead == 0 { taken } else { 0 };
+                    self.ring[at][from..].iter().copied()
+                })
+                .chain(self.later.iter().copied())
+                .collect(),
+            false => Vec::new(),
+        };
+        self.clear();
+        for point in waiting {
+            if let Some(time) = time(point) {
+                self.push(point, time);
+            }
+        }
+    }
+
+    /// Returns the bucket of an arrival time. Times before the bucket in work belong to it.
+    #[inline(always)]
+    fn number(&self, time: f64) -> u64 {
+        ((time * self.per_width) as u64).max(self.now)
+    }
+
+    /// Returns whether two arrival times share a bucket.
+    #[inline(always)]
+    pub(super) fn share(&self, a: f64, b: f64) -> bool {
+        self.number(a) == self.number(b)
+    }
+
+    /// Returns whether a time comes after the bucket in work.
+    #[inline(always)]
+    pub(super) fn is_later(&self, time: f64) -> bool {
+        self.number(time) > self.now
+    }
+
+    /// Returns a time before which all points have been taken.
+    pub(super) fn time(&self) -> f64 {
+        self.now as f64 / self.per_width
+    }
+
+    #[inline(always)]
+    pub(super) fn push(&mut self, point: u32, time: f64) {
+        self.put(point, self.number(time));
+    }
+
+    #[inline(always)]
+    fn put(&mut self, point: u32, number: u64) {
+        if number - self.now >= RING as u64 {
+            self.later.push(point);
+            self.first_later = self.first_later.min(number);
+            return;
+        }
+        let bucket = &mut self.ring[number as usize % RING];
+        if bucket.capacity() == 0
+            && let Some(memory) = self.free.pop()
+        {
+            *bucket = memory;
+        }
+        bucket.push(point);
+        self.held += 1;
+    }
+
+    /// Takes the next point of the bucket in work.
+    #[inline(always)]
+    pub(super) fn take(&mut self) -> Option<u32> {
+        let point = self.ring[self.now as usize % RING].get(self.taken).copied();
+        self.taken += usize::from(point.is_some());
+        point
+    }
+
+    /// Returns the point of the bucket in work that comes `ahead` points after the next one.
+    #[inline(always)]
+    pub(super) fn ahead(&self, ahead: usize) -> Option<u32> {
+        self.ring[self.now as usize % RING].get(self.taken + ahead).copied()
+    }
+
+    /// Goes on to the next bucket that has points, after all points of the bucket in work were taken. `time` returns the
+    /// arrival time of a point, or `None` if its entry does not count. Returns whether there is such a bucket.
+    pub(super) fn advance(&mut self, time: impl Fn(u32) -> Option<f64>) -> bool {
+        let bucket = &mut self.ring[self.now as usize % RING];
+        self.held -= bucket.len();
+        bucket.clear();
+        self.taken = 0;
+        self.free.push(std::mem::take(bucket));
+        let next = (self.held > 0).then(|| {
+            let filled = |&number: &u64| !self.ring[number as usize % RING].is_empty();
+            (self.now..).find(filled).expect("the ring has points")
+        });
+        let first = next.unwrap_or(u64::MAX);
+        if self.first_later > first || self.later.is_empty() {
+            self.now = next.unwrap_or(self.now);
+            return next.is_some();
+        }
+        // Points beyond the ring are sorted in again.
+        let points = std::mem::take(&mut self.later);
+        let numbered = |point: u32| time(point).map(|time| (point, self.number(time)));
+        let points: Vec<_> = points.into_iter().filter_map(numbered).collect();
+        let of_points = points.iter().map(|&(_, number)| number).min();
+        let Some(now) = [next, of_points].into_iter().flatten().min() else { return false };
+        (self.now, self.first_later) = (now, u64::MAX);
+        points.into_iter().for_each(|(point, number)| self.put(point, number));
+        true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn points_come_in_the_order_of_their_buckets() {
+        // Times far apart, which fill the ring many times.
+        let times: Vec<f64> = (0..4000u32).map(|k| f64::from(k * 7919 % 4001).powi(2)).collect();
+        for width in [0.1, 3.0, 1e5, 1e9] {
+            let mut queue = Buckets::new(width);
+            let held =
+                |point: u32| Some(times[point as usize]).filter(|_| !point.is_multiple_of(5));
+            (0..2000).for_each(|point| queue.push(point, times[point as usize]));
+            let (mut found, mut last, mut next) = (vec![0; times.len()], 0.0, 2000);
+            loop {
+                while let Some(point) = queue.take() {
+                    let time = times[point as usize];
+                    assert!(
+                        time.max(last) + width >= last
+                            && (time / width).floor() * width >= last - width
+                    );
+                    found[point as usize] += 1;
+                    last = f64::max(last, (time / width).floor() * width);
+                    // Points that are added later, not before the bucket in work.
+                    if next < times.len() && times[next] >= last {
+                        queue.push(next as u32, times[next]);
+                    } else if next < times.len() {
+                        found[next] += 1;
+                    }
+                    next += 1;
+                }
+                if !queue.advance(held) {
+                    break;
+                }
+                assert!(queue.time() >= last);
+            }
+            // Entries that do not count may be left out.
+            assert!(
+                found.iter().enumerate().all(|(k, &n)| n == 1 || (n == 0 && k % 5 == 0)),
+                "{width}"
+            );
+        }
+    }
+}
