@@ -196,6 +196,6 @@ fn rough_slownesses_are_solved_in_order_of_time() {
     ] {
         assert_eq!(visits(&surface, None), visits(&surface, Some(best)), "{best:?}");
         let map = distance_map(&surface, &at([70.0, 150.0]), &Options::default()).unwrap();
-        assert!(map.report().converged);
+        assert!(map.report.converged);
     }
 }

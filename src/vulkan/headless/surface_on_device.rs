@@ -125,8 +125,7 @@ impl SurfaceOnDevice {
         let has_origins = seeds.iter().any(|seed| seed.origin.is_some());
         // Lines of the chart end at seams.
         let has_lines = !self.slowed && self.images.copies.is_none();
-        let has_numbers =
-            wavefront.is_curved() && self.origins.are_several() && has_lines && has_origins;
+        let has_numbers = wavefront.is_curved() && has_lines && has_origins;
         if !has_numbers {
             return Ok((wavefront, curvatures(seeds)));
         }

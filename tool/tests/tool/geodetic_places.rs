@@ -211,7 +211,8 @@ fn the_tool_reads_its_own_points_and_curves() {
                     largest = largest.max((found - (far - level).abs()).abs());
                 }
                 println!("{extent} {level:e} {name}: differs by {largest:.1e}");
-                assert!(largest < 1.5e5, "{extent} {level} {name}: {largest:e}");
+                // A third of a cell.
+                assert!(largest < 1.8e5, "{extent} {level} {name}: {largest:e}");
             }
         }
     }

@@ -74,7 +74,7 @@ impl<R: Real> Curved<R> {
 
     /// Returns whether fronts carry the numbers of their origins.
     fn has_numbers(&self) -> bool {
-        self.origins.are_several() && self.has_names
+        self.has_names
     }
 }
 

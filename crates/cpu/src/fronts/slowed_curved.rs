@@ -152,8 +152,8 @@ impl<R: Real> TriangleKind<R> for SlowedCurved<R> {
             let slowness = triangles.at_corners(start, &self.slowness);
             let gaussian = triangles.at_corners(start, &self.gaussian);
             let mut uneven = false;
-            for k in 0..TILE {
-                let [s0, s1, s2] = [slowness[0][k], slowness[1][k], slowness[2][k]];
+            let [s0, s1, s2] = &slowness;
+            for ((&s0, &s1), &s2) in s0.iter().zip(s1).zip(s2) {
                 uneven |= corners_are_uneven([s0, s1, s2]) | jumps(s0) | jumps(s1) | jumps(s2);
             }
             let first = if uneven {

@@ -111,8 +111,9 @@ impl<R: Real> TriangleKind<R> for SlowedPlanar<R> {
         for start in (0..triangles.count).step_by(TILE) {
             let slowness = triangles.at_corners(start, &self.slowness);
             let mut uneven = false;
-            for k in 0..TILE {
-                uneven |= is_uneven([slowness[0][k], slowness[1][k], slowness[2][k]]);
+            let [s0, s1, s2] = &slowness;
+            for ((&s0, &s1), &s2) in s0.iter().zip(s1).zip(s2) {
+                uneven |= is_uneven([s0, s1, s2]);
             }
             let times = if uneven {
                 times_of::<R, true>(triangles, start, &slowness)

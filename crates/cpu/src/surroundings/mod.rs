@@ -109,8 +109,10 @@ fn with_origins(wavefront: Wavefront, surface: &Surface, mut seeds: Vec<Seed>) -
         Some(None) => of_one(None),
         None => true,
     };
-    // The front of a lone point source need not be told apart from others.
-    if !is_lone && wavefront.is_curved() && surface.has_even_cells() {
+    // The front of a lone point source need not be told apart from others. But in skewed cells, points whose triangles
+    // are split by points beyond the border have straight lines alone.
+    let has_lines = if is_lone { surface.has_skewed_cells() } else { surface.has_even_cells() };
+    if has_lines && wavefront.is_curved() {
         let further = along_sight_lines(surface, &seeds);
         let around = with_surroundings(wavefront, surface, seeds);
         return Seed::earliest(around.into_iter().chain(further));

@@ -64,6 +64,11 @@ impl Ahead {
 
     /// Computes the lines of all lanes.
     pub(super) fn look(&mut self, tracer: &Tracer) {
+        // Over a slowness, lines are searched for: they refract where it jumps.
+        if tracer.edges.slowness().is_some() {
+            self.entries = [None; LANES];
+            return;
+        }
         let instructions = Instructions::best();
         instructions.run(&mut self.headings);
         let Headings { side, near, leaves, .. } = &self.headings;

@@ -29,10 +29,15 @@ pub(super) const NO_EDGE: f64 = FAR * FAR * 1e-20;
 /// distance of the places is then -d' S d / 2. This is exact between the edges of a flat cell. For any cell
 /// whose corners lie in space it is exact along the straight line between the places. A missing corner has
 /// weight zero and contributes nothing.
+///
+/// Over a slowness the lengths of edges are travel times. The lengths on the surface follow from the slowness at the
+/// corners, and a straight line costs its length times the mean slowness of its ends.
 pub(super) struct CellLengths {
     pub(super) corners: [usize; 4],
-    /// The lengths, indexed by [`BETWEEN`].
+    /// The lengths on the surface, indexed by [`BETWEEN`].
     lengths: [f64; 7],
+    /// The slowness at the corners, if there is one.
+    slowness: Option<[f64; 4]>,
 }
 
 impl CellLengths {
@@ -42,7 +47,35 @@ impl CellLengths {
         let planes = edges.planes();
         let [north, west, falling, rising, east, south] =
             STORED_AT.map(|(plane, corner)| planes[plane][corners[corner]].into());
-        Self { corners, lengths: [north, west, falling, rising, east, south, 0.0] }
+        let lengths = [north, west, falling, rising, east, south, 0.0];
+        let Some(slowness) = edges.slowness() else {
+            return Self { corners, lengths, slowness: None };
+        };
+        let slowness = corners.map(|corner| f64::from(slowness[corner]));
+        let mut cell = Self { corners, lengths, slowness: Some(slowness) };
+        for (a, row) in BETWEEN.into_iter().enumerate() {
+            for (b, slot) in row.into_iter().enumerate().skip(a + 1) {
+                let mean = 0.5 * (slowness[a] + slowness[b]);
+                // Where travel is free, the length on the surface is not known, and does not count.
+                cell.lengths[slot] = if mean > 0.0 { lengths[slot] / mean } else { lengths[slot] };
+            }
+        }
+        cell
+    }
+
+    /// Returns the cost of a straight line between two places whose squared distance is given.
+    pub(super) fn cost(&self, square: f64, a: &Weights, b: &Weights) -> f64 {
+        let length = square.max(0.0).sqrt();
+        match &self.slowness {
+            Some(slowness) => length * 0.5 * (dot(slowness, a) + dot(slowness, b)),
+            None => length,
+        }
+    }
+
+    /// Returns the slowness at a place and at both corners, if there is a slowness.
+    pub(super) fn slowness(&self, place: &Weights, corners: [usize; 2]) -> Option<[f64; 3]> {
+        let slowness = self.slowness.as_ref()?;
+        Some([dot(slowness, place), slowness[corners[0]], slowness[corners[1]]])
     }
 
     /// Returns the length between two corners.
@@ -77,6 +110,11 @@ pub(super) fn length(edges: &EdgeLengths<f32>, corners: &[usize; 4], [a, b]: [us
     let (plane, corner) = STORED_AT[BETWEEN[a][b] % STORED_AT.len()];
     let length = f64::from(edges.planes()[plane][corners[corner]]);
     if a == b { 0.0 } else { length }
+}
+
+/// Returns the weights of a corner.
+pub(super) fn corner_alone(corner: usize) -> Weights {
+    std::array::from_fn(|k| if k == corner { 1.0 } else { 0.0 })
 }
 
 fn dot(a: &[f64; 4], b: &[f64; 4]) -> f64 {

@@ -142,12 +142,14 @@ impl Goal {
         let foot =
             if along > 0.0 { (0.5 + 0.5 * (first - last) / along).clamp(0.0, 1.0) } else { 0.0 };
         let square = first + foot * (last - first - (1.0 - foot) * along);
+        let [a, b] = &self.weights;
+        let there = std::array::from_fn(|k| a[k] + foot * (b[k] - a[k]));
         NearestSource {
             source: self.source,
             at: self.part.ends[0].lerp(self.part.ends[1], foot),
             own: self.part.own[0].lerp(self.part.own[1], foot),
             time: self.initial,
-            distance: square.max(0.0).sqrt(),
+            distance: cell.cost(square, place, &there),
         }
     }
 }

@@ -28,6 +28,7 @@ mod place;
 mod seams;
 mod search;
 mod shared_parts;
+mod slowed_edge;
 mod taut;
 mod tracer;
 mod walk;

@@ -6,10 +6,11 @@ use std::collections::{BinaryHeap, HashMap};
 
 use glam::DVec2;
 
-use super::cell::{ALONG, CellLengths, NO_EDGE, SIDES, Weights};
+use super::cell::{ALONG, CellLengths, NO_EDGE, SIDES, Weights, corner_alone};
 use super::edge_times::EdgeTimes;
 use super::goals::NearestSource;
 use super::place::Place;
+use super::slowed_edge::SlowedEdge;
 use super::tracer::Tracer;
 use geosweep_surface::{Chart, Direction, EdgeSlot, FAR};
 
@@ -203,18 +204,25 @@ impl Tracer<'_> {
             let is_beside =
                 is_flat && support > 2 && length > 0.0 && ends[0].max(ends[1]) < NO_EDGE;
             if reached[a] && reached[b] && (is_beside || !is_flat) {
+                let slowness = cell.slowness(weights, side);
+                let along_side = slowness.map_or(length, |[_, s, t]| length * 0.5 * (s + t));
                 let times = EdgeTimes::new(
                     zero_time,
                     self.times_along(points),
                     self.ratios_along(points),
-                    length,
+                    along_side,
                 );
-                let crossing = if is_beside { times.foot(ends) } else { times.crossing(ends) };
+                let crossing = match slowness {
+                    Some(slowness) => SlowedEdge::new(&times, slowness, ends, length).crossing(),
+                    None if is_beside => times.foot(ends),
+                    None => times.crossing(ends),
+                };
                 let end = usize::from(crossing.share > 0.5);
                 let away = (crossing.share - end as f64).abs();
                 // The end of a line is not moved to a nearby grid point that is later than the start of the line, or
                 // lies beside the course of a line that is itself short.
-                let (time, length) = (self.time(points[end]), ends[end].max(0.0).sqrt());
+                let at_end = cell.cost(ends[end], weights, &corner_alone(side[end]));
+                let (time, length) = (self.time(points[end]), at_end);
                 let leads_on = || time < below && falls(time, length, below);
                 if away == 0.0 || away < AT_POINT && leads_on() {
                     offer(Place::Point(points[end]), time, length);
@@ -228,7 +236,7 @@ impl Tracer<'_> {
             for (end, corner) in side.into_iter().enumerate() {
                 let along = support == 1 || weights[corner] > 0.0 || support > 2;
                 if reached[corner] && along && ends[end] < NO_EDGE {
-                    let length = ends[end].max(0.0).sqrt();
+                    let length = cell.cost(ends[end], weights, &corner_alone(corner));
                     offer(Place::Point(points[end]), self.time(points[end]), length);
                 }
             }

@@ -294,6 +294,8 @@ impl Tracer<'_> {
         let north_west = self.chart().bordered_at(corner);
         let there = self.chart().bordered_corners(north_west).map(|point| self.is_reached(point));
         let weights = |at: DVec2| corner_weights(there, at - corner);
-        Some(CellLengths::new(self.edges, north_west).square(&weights(a)?, &weights(b)?).sqrt())
+        let cell = CellLengths::new(self.edges, north_west);
+        let [a, b] = [weights(a)?, weights(b)?];
+        Some(cell.cost(cell.square(&a, &b), &a, &b))
     }
 }

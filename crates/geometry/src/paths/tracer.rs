@@ -3,7 +3,7 @@
 
 use glam::DVec2;
 
-use super::cell::{CellLengths, NO_EDGE};
+use super::cell::{CellLengths, NO_EDGE, corner_alone};
 use super::corners::Corners;
 use super::goals::Goals;
 use super::linked_path::SharedParts;
@@ -81,9 +81,12 @@ impl Tracer<'_> {
             let cell = CellLengths::new(self.edges, north_west);
             let squares = cell.from(&weights);
             (0..4)
-                .map(move |corner| (cell.corners[corner], squares[corner]))
-                .filter(|&(corner, square)| self.is_reached(corner) && square < NO_EDGE)
-                .map(|(corner, square)| (corner, square.max(0.0).sqrt()))
+                .filter(move |&corner| squares[corner] < NO_EDGE)
+                .map(move |corner| {
+                    let cost = cell.cost(squares[corner], &weights, &corner_alone(corner));
+                    (cell.corners[corner], cost)
+                })
+                .filter(|&(corner, _)| self.is_reached(corner))
         })
     }
 
