@@ -294,12 +294,9 @@ impl<R: Real, K: TriangleKind<R>> BucketScanner<R, K> {
         lanes.count = 0;
         for &point in batch {
             if self.edges.copies().is_some() {
-                self.each_copy(point, |solver, copy| solver.pass_on(copy, lanes));
+                self.pass_on_copies(point, lanes, arrivals);
             } else {
                 self.pass_on(point, lanes);
-            }
-            if lanes.count > MOST - MOST_PASSED {
-                self.call_back(lanes, arrivals);
             }
         }
         self.call_back(lanes, arrivals);
@@ -478,6 +475,20 @@ impl<R: Real, K: TriangleKind<R>> BucketScanner<R, K> {
         }
     }
 
+    /// Passes on the front at all copies of a point. There may be more of them than lanes.
+    #[inline(never)]
+    fn pass_on_copies(
+        &mut self,
+        point: usize,
+        lanes: &mut Pulled<R, K::Carried>,
+        arrivals: &mut [K::Arrival; MOST],
+    ) {
+        self.each_copy(point, |solver, copy| {
+            solver.pass_on(copy, lanes);
+            solver.call_back(lanes, arrivals);
+        });
+    }
+
     #[inline(never)]
     fn pass_on_through_parts(&mut self, point: usize) {
         let Some(parts) = self.parts.take() else { return };
@@ -568,9 +579,6 @@ impl<R: Real, K: TriangleKind<R>> BucketScanner<R, K> {
         }
     }
 }
-
-/// Largest number of triangles through which a point passes on its front.
-const MOST_PASSED: usize = 16;
 
 /// Returns the front at a point that none has reached.
 fn none<R: Real, C: Default>() -> StoredFront<R, C> {
