@@ -80,7 +80,7 @@ fn maps_keep_their_bounds_over_patches_of_slowness() {
 
 #[test]
 fn maps_keep_their_bounds_on_irregular_grids() {
-    check(Case::irregular, |count| 1 + count / 1000);
+    check(Case::irregular, |count| 1 + count / 400);
 }
 
 #[test]

@@ -481,7 +481,12 @@ proptest! {
         let expected: Vec<_> = places.iter().map(|&number| expected[number]).collect();
         let apart = difference(&found, &expected);
         // On closed surfaces curved fronts carry their ray, whose direction is rounded to 1.5e-9.
-        let most = if wavefront == Wavefront::Curved { 1e-7 } else { ROUNDING };
+        // Over a slowness the place where a ray crosses a base is found in a few steps, which magnify rounding.
+        let most = match wavefront {
+            Wavefront::Curved => 1e-7,
+            _ if wrapped.is_slowed => 1e2 * ROUNDING,
+            _ => ROUNDING,
+        };
         prop_assert!(apart < most, "{apart:e}");
     }
 }

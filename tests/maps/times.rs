@@ -25,7 +25,7 @@ fn slowed_surfaces() -> Vec<(&'static str, Surface)> {
     let built = |builtin: Builtin, rows, cols| builtin.surface(rows, cols).unwrap();
     let plane = |rows, cols| built(Builtin::Plane, rows, cols);
     let mut mask = vec![true; 90 * 75];
-    (10..60).for_each(|row| mask[row * 75 + 30] = false);
+    (10..60).for_each(|row| mask[row * 75 + 33] = false);
     let free = (0..70 * 80).map(|k| [0.0, 1.0, 3.0][k / 80 / 10 % 3]).collect();
     vec![
         ("blocks", in_blocks(plane(100, 131), 13, 1.0)),

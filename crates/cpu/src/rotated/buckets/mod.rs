@@ -182,7 +182,7 @@ impl<R: Real, K: TriangleKind<R>> BucketScanner<R, K> {
                 solver.states[copy].set(State::SEED);
                 solver.seeds.push((copy as u32, front));
             });
-            self.wait(point);
+            self.wait(point, front.time);
         }
     }
 
@@ -194,8 +194,8 @@ impl<R: Real, K: TriangleKind<R>> BucketScanner<R, K> {
         }
     }
 
-    /// Lets a point and its copies wait in the queue.
-    fn wait(&mut self, point: usize) {
+    /// Lets a point and its copies wait in the queue for a front that arrives at a time.
+    fn wait(&mut self, point: usize, time: R) {
         if self.edges.copies().is_none() {
             self.states[point].clear(State::FINAL);
             self.states[point].set(State::WAITS);
@@ -205,8 +205,7 @@ impl<R: Real, K: TriangleKind<R>> BucketScanner<R, K> {
                 solver.states[copy].set(State::WAITS);
             });
         }
-        let time = self.fronts.times[point].wide();
-        self.queue.push(point as u32, time.min(self.settings.limit.time()));
+        self.queue.push(point as u32, time.wide().min(self.settings.limit.time()));
     }
 
     /// Computes the fronts of points until none waits, up to the limit.
@@ -550,8 +549,9 @@ impl<R: Real, K: TriangleKind<R>> BucketScanner<R, K> {
     fn call_back_if_first(&mut self, point: usize, arrival: K::Arrival) {
         let time = self.fronts.times[point];
         let together = time + time * R::of(TOGETHER) * R::epsilon();
-        if self.states[point].is_final() && K::Carried::time(arrival) <= together {
-            self.wait(point);
+        let arrival = K::Carried::time(arrival);
+        if self.states[point].is_final() && arrival <= together {
+            self.wait(point, if arrival < time { arrival } else { time });
         }
     }
 
@@ -563,18 +563,20 @@ impl<R: Real, K: TriangleKind<R>> BucketScanner<R, K> {
         before: StoredFront<R, K::Carried>,
         after: StoredFront<R, K::Carried>,
     ) {
-        let first = if before.time < after.time { before.time } else { after.time };
+        let delay = after.time - before.time;
         let mut dependent = Vec::new();
         self.each_copy(point, |solver, copy| {
             let times = &solver.fronts.times;
             let (later, count) = solver.neighbours.later(&solver.lengths, times, copy);
-            dependent.extend(later[..count].iter().map(|later| later.point));
+            dependent.extend(later[..count].iter().map(|later| (later.point, later.by_edge)));
             let parts = solver.parts.iter().flat_map(|parts| parts.beside(copy));
-            dependent.extend(parts.map(|(to, ..)| to));
+            dependent.extend(parts.map(|(to, _, length)| (to, before.time + length)));
         });
-        for to in dependent {
-            if self.states[to].is_final() && self.fronts.times[to] > first {
-                self.wait(to);
+        for (to, by_edge) in dependent {
+            let time = self.fronts.times[to];
+            if self.states[to].is_final() && time > before.time {
+                let arrival = by_edge + delay;
+                self.wait(to, if arrival < time { arrival } else { time });
             }
         }
     }
