@@ -4,14 +4,16 @@ use std::error::Error;
 
 use clap::ValueEnum;
 use geosweep::Surface;
-use geosweep::surface::{CompletedGrid, Gluing, GridSide, LastLine, Layout, Seam};
+use geosweep::surface::{
+    CompletedGrid, Gluing, GluingError, GridSide, LastLine, Layout, Seam, SurfaceError,
+};
 
 #[derive(clap::Args)]
 pub struct GlueArgs {
     /// Sides of the grid that continue each other on a closed surface, so that distances pass from one to the other.
     /// Where two such sides are not the same line of the surface, the tool adds a line, which outputs leave out.
-    /// Positions show whether they are the same line, and so do heights, metrics, masks and slownesses that differ;
-    /// where all are equal, --wrap tells it
+    /// Positions show whether they are the same line, and so do heights, metrics, masks and slownesses that differ.
+    /// Lines where all are equal count as the same line; --wrap tells otherwise
     #[arg(long, value_name = "SIDES", help_heading = "Surface", conflicts_with_all = ["wrap", "layout"])]
     glue: Option<Glue>,
     /// The grid goes on from its last column, row or both to the first: the same as --glue columns, rows or both.
@@ -58,6 +60,16 @@ pub enum Glue {
     Cube,
 }
 
+/// What decides whether the last line of a grid is the first one again.
+#[derive(Clone, Copy, Debug)]
+pub enum Last {
+    Told(LastLine),
+    /// The positions and values of the lines, unless they leave it open.
+    Found,
+    /// As [`Self::Found`], and lines of equal values are the same: sides that are glued are one line.
+    SameIfEqual,
+}
+
 /// Opposite sides that continue each other, and whether the last line is the first one again, if that is said.
 #[derive(Clone, Copy, Debug)]
 struct Wrap {
@@ -99,9 +111,13 @@ enum MapLayout {
 }
 
 impl GlueArgs {
-    /// Returns the requested gluing, given by any of its names, and what is said about the last line.
-    pub fn wanted(&self) -> Result<Option<(Glue, Option<LastLine>)>, String> {
-        let last = self.wrap.and_then(|wrap| wrap.last);
+    /// Returns the requested gluing, given by any of its names, and whether the last line is the first one again.
+    pub fn wanted(&self) -> Result<Option<(Glue, Last)>, String> {
+        let last = match self.wrap {
+            None => Last::SameIfEqual,
+            Some(Wrap { last: None, .. }) => Last::Found,
+            Some(Wrap { last: Some(last), .. }) => Last::Told(last),
+        };
         Ok(self.glue()?.map(|glue| (glue, last)))
     }
 
@@ -149,7 +165,7 @@ impl Glue {
         surface: Surface,
         shape: Option<&Surface>,
         seams: &[Seam],
-        last: Option<LastLine>,
+        last: Last,
     ) -> Result<Whole, Box<dyn Error>> {
         let name = self.to_possible_value().map(|value| value.get_name().to_owned());
         let name = name.unwrap_or_default();
@@ -162,7 +178,7 @@ impl Glue {
         surface: Surface,
         shape: Option<&Surface>,
         seams: &[Seam],
-        last: Option<LastLine>,
+        last: Last,
     ) -> Result<Whole, Box<dyn Error>> {
         if surface.is_glued() {
             return self.keep(surface);
@@ -179,8 +195,20 @@ impl Glue {
             Some(layout) => {
                 let told = shape.unwrap_or(&surface);
                 let lines = match last {
-                    Some(last) => CompletedGrid::with_last_line(told, layout, last)?,
-                    None => CompletedGrid::new(told, layout)?,
+                    Last::Told(last) => CompletedGrid::with_last_line(told, layout, last)?,
+                    Last::Found => CompletedGrid::new(told, layout)?,
+                    Last::SameIfEqual => match CompletedGrid::new(told, layout) {
+                        Err(SurfaceError::Gluing(GluingError::Unclear { sides })) => {
+                            note!(
+                                "the {} and the {} hold the same values and count as one line; --wrap \
+                                 columns:apart or rows:apart tells that they are one step apart",
+                                sides[0],
+                                sides[1]
+                            );
+                            CompletedGrid::with_last_line(told, layout, LastLine::Repeats)?
+                        }
+                        lines => lines?,
+                    },
                 };
                 return self.completed(surface, shape, lines);
             }
