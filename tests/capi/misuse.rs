@@ -119,14 +119,14 @@ fn unusable_arguments_of_a_solver_are_refused() {
         status
     };
     all_wrong! {
-        create(&zero()) => "info->header_version is 0, and this library was built with header 7",
+        create(&zero()) => "info->header_version is 0, and this library was built with header 8",
         create(&GeosweepSolverInfo { get_instance_proc_addr: None, ..good }) => "is null",
         create(&GeosweepSolverInfo { instance: vk::Instance::null(), ..good }) => "instance is",
         create(&GeosweepSolverInfo { device: vk::Device::null(), ..good }) => "device is the null",
         create(&GeosweepSolverInfo { passes: null(), ..good }) => "passes is null, and is said to have 4",
         create(&GeosweepSolverInfo { pass_count: u32::MAX, ..good }) => "4294967295 entries; at most 64",
         create(&with(1)) => "info->passes[0].schedule is GEOSWEEP_SCHEDULE_BEST",
-        create(&with(2)) => "info->passes[0].wavefront is 4, which is no GeosweepWavefront",
+        create(&with(2)) => "info->passes[0].wavefront is 5, which is no GeosweepWavefront",
         create(&with(3)) => "info->passes[0].schedule is 7, which is no GeosweepSchedule",
     }
     // The pointer is badly aligned, as may happen in C.
@@ -239,6 +239,11 @@ fn unusable_arguments_of_a_surface_are_refused() {
         with(GeosweepPoints { offset: 2, ..on_device }) => "offset is 2",
         with(GeosweepPoints { slowness: 5, view, layout, ..zero() }) => "four components",
         with(GeosweepPoints { dx: 0.0, ..height_points(&data) }) => "info->points[0].dx or dy",
+        with(GeosweepPoints { dx: 0.5, dy: 0.5, ..positions(12) }) => "dx or dy is not 0, and only heights",
+        with(GeosweepPoints { mask: no_mask.as_ptr(), ..on_device }) => "mask is for points in data",
+        with(GeosweepPoints { view, layout, mask: no_mask.as_ptr(), ..zero() }) => "mask is for points in data",
+        with(GeosweepPoints { view, layout, stride: 16, ..zero() }) => "offset or stride is not 0",
+        with(GeosweepPoints { view, ..zero() }) => "layout is 0, in which no image can be read",
         with(GeosweepPoints { dy: f64::NAN, ..height_points(&data) }) => "NaN",
         with(slow) => "slowness -1 at row 0, column 0",
         with(masked) => "no point of the surface is left",

@@ -6,6 +6,7 @@ use gpu_allocator::MemoryLocation;
 use super::access::Access;
 use super::creation::creation;
 use super::curves::{CurveBuffer, CurveKind, CurveLayout};
+use super::names::Labelled;
 use super::outputs::{BufferKind, HostMemory, Output, OutputInfo};
 use super::recording::{Recording, grid_size};
 use super::solver::Solver;
@@ -203,7 +204,7 @@ impl Recording<'_> {
         let set = contours.sets()?.sets()[0];
         let (levels, count) = frame.levels.read()?;
         let (recorder, chart) = (&self.recorder, self.surface.grid.chart);
-        let _group = recorder.group(c"geosweep: contours");
+        let _group = self.group(Labelled::Contours);
         let (stages, access) = frame.reader.side();
         let ours = (TRANSFER_WRITE.0 | SHADER.0, TRANSFER_WRITE.1 | SHADER.1);
         recorder.barrier((stages | SHADER.0, access | SHADER.1), ours);
