@@ -196,6 +196,8 @@ fn unusable_arguments_of_a_surface_are_refused() {
         create(&GeosweepSurfaceInfo { queue_family_count: 2, ..good }) => "info->queue_families is null",
         create(&GeosweepSurfaceInfo { source_count: 2, ..good }) => "info->sources is null",
         create(&GeosweepSurfaceInfo { lookup_count: 2, ..good }) => "info->lookups is null",
+        create(&GeosweepSurfaceInfo { queue_families: &7777, queue_family_count: 1, ..good })
+            => "info->queue_families has 7777, and the device has",
         create(&sources(&null_buffer)) => "null handle",
         create(&sources(&no_sources)) => "its count is 0",
         create(&lookups) => "offset 3",

@@ -72,6 +72,11 @@ fn calls_before_their_prerequisites_are_refused() {
         record(&unchanged) => "GeosweepFrame::points is a number of its points in the first frame",
         unsafe { geosweep_record_solve(surface, commands, &good.sources, plan) } => "never measured",
     }
+    let (no_count, two_places) = (&sources[..0], GeosweepSources { buffer: 1, ..good.sources });
+    all_wrong! {
+        record(&frame(plan, no_count)) => "frame->sources.count is 0, and sources is not null",
+        record(&GeosweepFrame { sources: two_places, ..good }) => "frame->sources.buffer is 1, and the sources are",
+    }
     let bad = [f32::INFINITY, f32::NAN, -1.0]
         .map(|curvature| [GeosweepSource { curvature, ..sources[0] }]);
     for bad in &bad {

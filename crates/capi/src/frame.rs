@@ -229,6 +229,10 @@ pub(super) unsafe fn sources<'a>(
             return Err(Failure::argument(&member, reason));
         }
     }
+    if given.count == 0 {
+        let name = format!("{}count", name.trim_end_matches("sources"));
+        return Err(Failure::argument(&name, "is 0, and sources is not null"));
+    }
     // SAFETY: the caller's promise.
     let sources = unsafe { list(given.sources, given.count, SourceInput::MOST_INLINE, name) }?;
     // Both types are four floats with the same meaning.

@@ -216,7 +216,24 @@ impl<'a> Wanted<'a> {
             .with_name(self.name.as_deref())
     }
 
+    /// Returns an error if the physical device has no queue family with one of the numbers.
+    fn check_families(&self, shared: &Shared) -> Result<(), Failure> {
+        let Shared { instance, physical_device, .. } = shared;
+        // SAFETY: the physical device is from this instance.
+        let families =
+            unsafe { instance.get_physical_device_queue_family_properties(*physical_device) };
+        let count = families.len();
+        match self.families.iter().find(|&&family| family as usize >= count) {
+            Some(family) => {
+                let reason = format!("has {family}, and the device has {count} families");
+                Err(Failure::argument("info->queue_families", reason))
+            }
+            None => Ok(()),
+        }
+    }
+
     pub(super) fn bytes(&self, shared: &Shared) -> Result<u64, Failure> {
+        self.check_families(shared)?;
         let mut bytes = shared.solver.bytes_for(&shared.device, &self.info(&[]))?;
         for form in &self.points {
             if let Form::InProgram(layout, _) = form {

@@ -193,8 +193,8 @@ impl Recording<'_> {
     ///
     /// # Errors
     /// If the contours were destroyed or made for another surface, there is no map, the frame's points do not
-    /// exist, are a metric or were replaced since the last [`Output::rebind`], or the levels are not
-    /// finite, not ascending or too many.
+    /// exist, are a metric or were replaced since the last [`Output::rebind`], or the levels or the
+    /// start are not finite, or the levels not ascending or too many.
     pub fn contours(
         &self,
         contours: &Contours,
@@ -202,6 +202,10 @@ impl Recording<'_> {
     ) -> Result<CurveBuffer, VulkanError> {
         contours.check_points(self, frame.points)?;
         let set = contours.sets()?.sets()[0];
+        if !frame.start.is_finite() {
+            let reason = format!("the start {} of the map is not finite", frame.start);
+            return Err(VulkanError::Curves { what: "contours", reason });
+        }
         let (levels, count) = frame.levels.read()?;
         let (recorder, chart) = (&self.recorder, self.surface.grid.chart);
         let _group = self.group(Labelled::Contours);
