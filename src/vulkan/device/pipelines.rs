@@ -349,7 +349,7 @@ impl Pipelines {
         let spirv = row.shader_of(&of.tuning).spirv(of.variant.wavefront);
         let made = compute_pipeline(device, spirv, how, &constants)?;
         self.created.fetch_add(1, Ordering::Relaxed);
-        self.name(&row.name(of.variant), made);
+        self.name(row.name(of.variant), made);
         Ok(made)
     }
 

@@ -92,13 +92,13 @@ impl PictureArgs {
     }
 
     /// Returns the orientation of terrain on its map, if it has one.
-    fn orientation(&self, scene: &Scene) -> Result<Orientation, String> {
+    fn orientation(&self, scene: &Scene) -> Result<Option<Orientation>, String> {
         if !matches!(scene.shape().geometry(), Geometry::Heights { .. }) {
-            return Ok(Orientation::default());
+            return Ok(None);
         }
         match (scene.orientation(), self.toward) {
             (Err(why), Some(_)) => Err(format!("--toward: {why}")),
-            (found, _) => Ok(found.unwrap_or_default().unwrap_or_default()),
+            (found, _) => Ok(found.unwrap_or_default()),
         }
     }
 

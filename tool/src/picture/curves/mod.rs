@@ -81,7 +81,7 @@ pub enum Look {
     Map,
     /// A view in space, from the given direction or from the side that shows most. `long_side` is the longer
     /// side of the picture, in pixels.
-    Space { toward: Option<DVec3>, orientation: Orientation, long_side: usize },
+    Space { toward: Option<DVec3>, orientation: Option<Orientation>, long_side: usize },
 }
 
 const WHITE: Color = [1.0; 3];
@@ -158,7 +158,7 @@ impl CurvePicture<'_> {
         let picture = match look {
             Look::Map => self.draw_map(),
             Look::Space { toward, orientation, long_side } => {
-                self.draw_space((toward, orientation), long_side)
+                self.draw_space((toward, orientation.unwrap_or_default()), long_side)
             }
         };
         let size = Legend::text_size(&picture);
