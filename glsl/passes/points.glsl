@@ -23,6 +23,8 @@ layout(push_constant) uniform Band {
     int stride;     // words from point to point
     ivec2 halo;     // columns and rows of points beyond each side; 0 where the grid ends
     ivec2 lattice;  // see lattice.glsl
+    vec2 spacing;   // of columns and rows, for heights
+    int is_metric;  // 1 if three numbers are a metric
 };
 
 #include "shared/usable.glsl"

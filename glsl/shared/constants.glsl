@@ -216,6 +216,8 @@
 #define TURN_UNITS 1024
 // Stands for the number of points that a renderer's surface lacks until it has been measured.
 #define NEVER_MEASURED 4294967295
+// Bits of the number of a point's group of copies beside the gap between these; see glued_points.glsl.
+#define GAP_GROUP_BITS 20
 // Largest number of levels of the contours of one recording.
 #define LEVELS_TOGETHER 1024
 // Number of words of a curve's record; see curve.glsl.

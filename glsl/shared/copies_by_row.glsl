@@ -35,8 +35,8 @@ ivec2 members_of_group(int group) {
     return ivec2(copies[at], copies[at + 1]);
 }
 
-// Returns the members of a point's group. Points without copies have none.
-ivec2 members_of(ivec2 at) {
+// Returns the number of a point's group. It is -1 for points without copies.
+int group_of(ivec2 at) {
     int low = int(copies[FIRST_ROW + at.y]);
     int end = int(copies[FIRST_ROW + at.y + 1]);
     int high = end;
@@ -44,8 +44,14 @@ ivec2 members_of(ivec2 at) {
         int middle = (low + high) / 2;
         if (int(copies[first_col() + middle]) < at.x) low = middle + 1; else high = middle;
     }
-    if (low == end || int(copies[first_col() + low]) != at.x) return ivec2(0);
-    return members_of_group(int(copies[first_col() + copies_in_list() + low]));
+    if (low == end || int(copies[first_col() + low]) != at.x) return -1;
+    return int(copies[first_col() + copies_in_list() + low]);
+}
+
+// Returns the members of a point's group. Points without copies have none.
+ivec2 members_of(ivec2 at) {
+    int group = group_of(at);
+    return group < 0 ? ivec2(0) : members_of_group(group);
 }
 
 int listed(int word) {

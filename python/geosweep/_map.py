@@ -23,12 +23,17 @@ Direction = Literal["compass", "grass", "grid", "space"]
 class LogMap:
     """Places of points in the tangent plane of their source, made by `DistanceMap.log_map`."""
 
-    def __init__(self, compiled: "_geosweep.LogMap") -> None:
+    def __init__(self, compiled: "_geosweep.LogMap", of: "DistanceMap") -> None:
         self._map = compiled
+        self._of = of
 
     def __repr__(self) -> str:
         rows, cols = self.coordinates.shape[:2]
         return f"<geosweep.LogMap: {rows} x {cols} from {len(self._map.bases)} sources>"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle the map of distances, from which the log map is computed again."""
+        return DistanceMap.log_map, (self._of,)
 
     @property
     def coordinates(self) -> NDArray[np.float32]:
@@ -183,7 +188,7 @@ class DistanceMap:
         >>> m.log_map().coordinates[15, 16].round(4).tolist()  # 4 columns and 5 rows away
         [8.0, 5.0]
         """
-        return LogMap(_geosweep.log_map(self._map))
+        return LogMap(_geosweep.log_map(self._map), self)
 
     def signed(self, inside: ArrayLike | None = None) -> NDArray[Any]:
         """Return the distances (M, N) with a minus inside closed curves.

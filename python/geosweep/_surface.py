@@ -17,7 +17,7 @@ from ._sources import Source, labels_of, native, on_surface, placed
 from ._warnings import SeamWarning, check
 
 Spacing = float | tuple[float, float]
-Progress = Callable[[int, float], object]
+Progress = Callable[[int, int], object]
 Line = tuple[tuple[int, int], tuple[int, int]]
 Glue = (
     Literal[
@@ -327,7 +327,8 @@ class Surface:
         strict
             Whether a map that has not converged is an error. Otherwise it is a warning.
         progress
-            Called with the number of iterations and the last change, some 50 times a second.
+            Called with the per cent that are done and 100, some 50 times a second and at the end. On a
+            device, nothing is known before the end.
         out
             Array (M, N) of ``dtype`` that takes the distances.
         labels

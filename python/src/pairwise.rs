@@ -54,7 +54,9 @@ pub fn pairwise(
         Ok((report.iterations, report.residual, report.converged(), report.engine.name()))
     };
     let solved = work::watched(py, settings.threads, &monitor, tell, work)?;
-    solved.map_err(errors::of)
+    let solved = solved.map_err(errors::of)?;
+    tell(py)?;
+    Ok(solved)
 }
 
 /// Computes the canonical form of the largest connected piece of a matrix of distances.

@@ -1,11 +1,15 @@
 //! The surface: its constructors, and what is computed on it.
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
 
 use geosweep::geometry::FarthestPoints;
 use geosweep::glam::DVec3;
 use geosweep::surface::Geometry;
-use geosweep::{DistanceMap, Report, Sources, UsedEngine, Wavefront};
+use geosweep::{
+    Convergence, DEFAULT_TOLERANCE, DEFAULT_TOLERANCE_F64, DistanceMap, Report, Sources,
+    UsedEngine, Wavefront,
+};
 use geosweep::{EdgeRule, MetricTensor, Monitor, Spacing, estimate_error, estimate_error_f64};
 use numpy::{
     IntoPyArray, PyArray1, PyArray2, PyReadonlyArray2, PyReadonlyArray3, PyUntypedArrayMethods,
@@ -301,16 +305,43 @@ impl Surface {
     ) -> PyResult<Distances> {
         let monitor = Monitor::default();
         let (options, solver) = (settings.options(&monitor)?, &self.inner.solver);
+        let tolerance = settings.tolerance.unwrap_or(match double {
+            true => DEFAULT_TOLERANCE_F64,
+            false => DEFAULT_TOLERANCE,
+        });
+        let most = AtomicU32::new(0);
         let tell = |py: Python<'_>| {
             let Some(progress) = &progress else { return Ok(()) };
-            let now = monitor.progress();
-            progress.call1(py, (now.iterations, now.residual)).map(drop)
+            let done = share_done(monitor.progress(), tolerance, settings.iterations);
+            let done = most.fetch_max(done, Ordering::Relaxed).max(done);
+            progress.call1(py, (done, ALL_DONE)).map(drop)
         };
         let solve = || match double {
             true => solver.distance_map_f64(sources, &options).map(Distances::Double),
             false => solver.distance_map(sources, &options).map(Distances::Single),
         };
         let solved = work::watched(py, settings.threads, &monitor, tell, solve)?;
-        solved.map_err(errors::of)
+        let solved = solved.map_err(errors::of)?;
+        if let Some(progress) = &progress {
+            progress.call1(py, (ALL_DONE, ALL_DONE))?;
+        }
+        Ok(solved)
     }
+}
+
+/// Share of a map that is complete, as callbacks count it.
+const ALL_DONE: u32 = 100;
+
+/// Returns the share of a map that is done: how far the change of an iteration has fallen towards the tolerance, on a
+/// logarithmic scale, or the share of the largest number of iterations. It stays below [`ALL_DONE`].
+fn share_done(now: Convergence, tolerance: f64, iterations: Option<u32>) -> u32 {
+    let fallen = match now.residual {
+        _ if now.iterations == 0 => 0.0,
+        residual => residual.max(f64::MIN_POSITIVE).ln() / tolerance.max(f64::MIN_POSITIVE).ln(),
+    };
+    let of_iterations =
+        iterations.map_or(0.0, |most| f64::from(now.iterations) / f64::from(most.max(1)));
+    let share = f64::from(ALL_DONE) * fallen.max(of_iterations);
+    // An infinite change or a tolerance of 1 makes no share.
+    (share.clamp(0.0, f64::from(ALL_DONE - 1))) as u32
 }

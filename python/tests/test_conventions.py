@@ -1,6 +1,7 @@
 """What Python's users take for granted: numbers, tables, pickles, coordinates and units."""
 
 import pickle
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -68,6 +69,28 @@ def test_maps_are_pickled_and_shown() -> None:
     assert pickle.loads(pickle.dumps(labelled)).nearest[40, 40] == "b"
     log_map = surface.solve((0, 0)).log_map()
     assert repr(log_map) == "<geosweep.LogMap: 41 x 41 from 1 sources>"
+    again = pickle.loads(pickle.dumps(log_map))
+    assert np.array_equal(again.coordinates, log_map.coordinates, equal_nan=True)
+    assert again.place(3, 4) == log_map.place(3, 4) and again.bases[0].u == log_map.bases[0].u
+    assert np.array_equal(again.source_direction(), log_map.source_direction())
+
+
+def test_progress_has_a_total() -> None:
+    mask = np.ones((401, 401), bool)
+    mask[20:380:20, :-9] = mask[10:380:20, 9:] = False
+    surface = gs.Surface.from_heights(np.zeros(mask.shape), mask=mask)
+    heights = np.zeros(mask.shape)
+    solves: list[Callable[[Any], object]] = [
+        lambda tell: surface.solve((0, 0), engine="cpu", wavefront="curved", progress=tell),
+        lambda tell: gs.distance(heights, (0, 0), mask=mask, iterations=999, progress=tell),
+        lambda tell: gs.pairwise(surface, [0, 7, 99], engine="cpu", progress=tell),
+    ]
+    for solve in solves:
+        told: list[tuple[int, int]] = []
+        solve(lambda *of, told=told: told.append(of))
+        done = [done for done, _ in told]
+        assert done == sorted(done) and len({total for _, total in told}) == 1
+        assert told[-1][0] == told[-1][1] > 0 and done[0] >= 0
 
 
 def test_many_maps_of_one_surface_are_those_of_fresh_ones() -> None:

@@ -208,7 +208,7 @@ def test_an_exception_in_the_callback_ends_the_solve() -> None:
     surface = gs.Surface.from_heights(np.zeros(mask.shape), mask=mask)
     raised = []
 
-    def stop(iterations: int, _: float) -> None:
+    def stop(done: int, total: int) -> None:
         raised.append(time.monotonic())
         raise KeyboardInterrupt
 

@@ -9,6 +9,7 @@ use gpu_allocator::MemoryLocation;
 
 use super::device::descriptors::{CopySets, GridContents, Sets};
 use super::device::device_memory::DeviceMemory;
+use super::device::labels::NameOf;
 use super::device::memory::{Buffer, BufferInfo};
 use super::device::pipelines::Pipelines;
 use super::device::shaders::exchange::Push;
@@ -181,7 +182,7 @@ impl Copies {
         grid: GridContents,
     ) -> Result<Self, VulkanError> {
         let mut buffer = Buffer::new(device, allocator, list.buffer_info())?;
-        pipelines.name("copies", buffer.buffer);
+        pipelines.name(NameOf("copies", grid.owner), buffer.buffer);
         let by_rows = list.by_rows.as_ref().map(bytes_of);
         match CopySets::new(device, pipelines, grid, &buffer, by_rows) {
             Ok(sets) => Ok(Self { list, buffer, sets }),

@@ -260,6 +260,24 @@ pub enum VulkanError {
          their own"
     )]
     TwiceTogether,
+    /// Copies of a point of a glued surface lie apart.
+    #[error(
+        "copies of a point{} of the glued surface lie {gap:.2} of a cell apart: check which sides continue each other, \
+         and in which order",
+        place.map_or(String::new(), |(row, col)| format!(" (row {row}, column {col})"))
+    )]
+    SeamGap {
+        /// Largest gap between copies, relative to a cell.
+        gap: f64,
+        /// Row and column of the first copy of that point, if it is known.
+        place: Option<(usize, usize)>,
+    },
+    /// A profile was given to a recording while another recording with it has not run.
+    #[error(
+        "the profile is used in a recording that has not run: wait for its fence, or use a profile for each frame in \
+         flight"
+    )]
+    ProfileInFlight,
     /// The surface was used after it was destroyed.
     #[error("the surface was destroyed before")]
     Destroyed,
@@ -268,6 +286,15 @@ pub enum VulkanError {
         "the contours, paths, regions, directions or log map were made for another surface than the recording's"
     )]
     OtherSurface,
+    /// An output is asked for other sources than those of the map.
+    #[error(
+        "the sources of the {what} are not those of the map: give all sources of the map, with those that were added to \
+         it, in an array or from the place in the buffer from which the map was solved"
+    )]
+    OtherSources {
+        /// Kind of the output.
+        what: &'static str,
+    },
     /// Contours, paths, regions, directions or a log map cannot be made or recorded as requested.
     #[error("no {what}: {reason}")]
     Curves {

@@ -11,6 +11,7 @@ use super::device::bands::{
     bands, distance_bytes, frame_bytes, source_bytes, staged_bytes, transfer_bytes, upload_bytes,
 };
 use super::device::descriptors::{Contents, GridContents, GridSets};
+use super::device::labels::NameOf;
 use super::device::memory::{Buffer, BufferInfo, FORMAT, Image, ImageInfo, RESULT_FORMAT};
 use super::device::pipelines::Pipelines;
 use super::device::staging::{HALVES, Staging};
@@ -49,12 +50,21 @@ pub(crate) struct Purpose<'a> {
     pub(crate) families: &'a [u32],
     /// Continuation of the grid beyond its sides, if its points are measured on the device.
     pub(crate) lattice: Lattice,
+    /// Name of the surface in debugging tools. It is empty in headless solving.
+    pub(crate) owner: &'a str,
 }
 
 impl Purpose<'_> {
     /// Returns the purpose of headless solving.
     pub(crate) fn headless(slowed: bool) -> Self {
-        Self { slowed, slots: None, results: 0, families: &[], lattice: Lattice::default() }
+        Self {
+            slowed,
+            slots: None,
+            results: 0,
+            families: &[],
+            lattice: Lattice::default(),
+            owner: "",
+        }
     }
 
     /// Returns whether what the program writes and reads passes through staging buffers. A renderer's frame
@@ -97,6 +107,8 @@ pub(crate) struct GridImages {
     pub(crate) sets: GridSets,
     /// Copies of points, if the surface is glued.
     pub(crate) copies: Option<Copies>,
+    /// Name of the surface in debugging tools.
+    pub(crate) owner: String,
 }
 
 impl GridImages {
@@ -117,11 +129,11 @@ impl GridImages {
         let created = (|| {
             for info in image_infos(chart, texels, purpose) {
                 images.push(Image::new(device, allocator, info)?);
-                pipelines.name_image(info.name, &images[images.len() - 1]);
+                pipelines.name_image(NameOf(info.name, purpose.owner), &images[images.len() - 1]);
             }
             for info in buffer_infos(chart, texels, pipelines.tuning, purpose) {
                 buffers.push(Buffer::new(device, allocator, info)?);
-                pipelines.name(info.name, buffers[buffers.len() - 1].buffer);
+                pipelines.name(NameOf(info.name, purpose.owner), buffers[buffers.len() - 1].buffer);
             }
             let ([edges, gaussian, fronts @ ..], [progress, _, tiles, blocks, points, distances]) =
                 (&images[..4], &buffers[..])
@@ -140,6 +152,7 @@ impl GridImages {
                 tiles: Some(tiles),
                 blocks,
                 distances,
+                owner: purpose.owner,
             };
             GridSets::new(device, pipelines, contents)
         })();
@@ -179,6 +192,7 @@ impl GridImages {
             has_anchors: false,
             sets,
             copies: None,
+            owner: purpose.owner.to_owned(),
         })
     }
 
@@ -196,6 +210,7 @@ impl GridImages {
             gaussian: &self.gaussian,
             fronts: self.fronts.each_ref(),
             progress: &self.progress,
+            owner: &self.owner,
         };
         self.copies = Some(Copies::new(device, allocator, pipelines, list, of_grid)?);
         Ok(())

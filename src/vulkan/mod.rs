@@ -16,6 +16,7 @@ pub(crate) mod copies;
 pub(crate) mod device;
 pub mod embed;
 mod error;
+mod flight;
 pub(crate) mod grid_images;
 mod headless;
 mod map_limit;

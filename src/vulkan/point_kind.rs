@@ -54,6 +54,11 @@ impl PointKind {
         self.traits().spacing
     }
 
+    /// Returns the spacing of columns and rows in single precision; 0 for points that are not heights.
+    pub(crate) fn spacing_in_single(self) -> [f32; 2] {
+        self.spacing().map_or([0.0; 2], |of| [of.dx as f32, of.dy as f32])
+    }
+
     /// Returns the pass that measures edges.
     pub(crate) fn edges(self) -> CommonPass<edges_from_heights::Push> {
         self.traits().edges

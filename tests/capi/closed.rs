@@ -1,6 +1,6 @@
 //! Gluings of closed surfaces through the functions of C, against the CPU.
 
-use std::ptr::null_mut;
+use std::ptr::{null, null_mut};
 
 use geosweep::Sources;
 use geosweep::surface::{Gluing, Surface};
@@ -9,7 +9,7 @@ use geosweep_capi::*;
 use crate::common::closed::{globe, grid, octahedral, tube};
 use crate::common::{CONVERGED, difference, on_cpu};
 use crate::host::Host;
-use crate::session::{Session, destroy, frame, method, surface_info, wrong, zero};
+use crate::session::{Session, destroy, frame, method, ok, surface_info, wrong, zero};
 
 /// Rounding between engines.
 const SAME: f64 = 1e-5;
@@ -54,7 +54,7 @@ fn gluings_have_numbers_and_runs() {
         let info = GeosweepSurfaceInfo {
             gluing: gluing as i32,
             runs: runs.as_ptr(),
-            run_count: 1,
+            run_count: u32::from(matches!(gluing, GeosweepGluing::Runs)),
             ..surface_info(rows, cols, &points)
         };
         let surface = session.surface(&info);
@@ -68,7 +68,8 @@ fn gluings_have_numbers_and_runs() {
             wrong(refused, "set GeosweepMethod::over_seams to 1");
         });
         let map = session.map(surface, &frame(plan, &sources));
-        assert!(session.outcome(surface).converged, "{gluing:?}");
+        let outcome = session.outcome(surface);
+        assert!(outcome.converged && outcome.seam_gap < 1e-5, "{gluing:?}: {outcome:?}");
         let seeds = Sources::point(row as f64, col as f64).seeds(&truth).unwrap();
         let exact = on_cpu(&truth, &seeds, geosweep::Wavefront::Curved, CONVERGED);
         let difference = difference(&map, &exact);
@@ -102,5 +103,85 @@ fn wrong_gluings_are_refused() {
         create(&GeosweepSurfaceInfo { gluing, runs, run_count, ..good }),
         "info->runs[0] has the step 0, 0",
     );
+    let gluing = GeosweepGluing::Columns as i32;
+    wrong(
+        create(&GeosweepSurfaceInfo { gluing, runs, run_count, ..good }),
+        "info->run_count is not 0",
+    );
     session.end([]);
+}
+
+/// A gluing that does not fit the points shows in the outcome. With checks it is an error, which names a place. A frame
+/// over the same edges is refused then, and one with new points is not.
+#[test]
+fn gaps_between_copies_are_told() {
+    use GeosweepGluing as G;
+    let (round, cols) = (tube(25, 41), 41);
+    // Moves the last column along the axis by a part of the edges there.
+    let moved = |by: f32| {
+        let mut data = floats(&round);
+        let step: [f32; 3] =
+            std::array::from_fn(|at| data[3 * (cols + cols - 1) + at] - data[3 * (cols - 1) + at]);
+        for row in 0..25 {
+            let last = 3 * (row * cols + cols - 1);
+            (0..3).for_each(|at| data[last + at] += by * step[at]);
+        }
+        data
+    };
+    for checks in [false, true] {
+        let mut session = match checks {
+            true => Session::with_checks(Host::new()),
+            false => Session::new(Host::new()),
+        };
+        let method = GeosweepMethod { over_seams: 1, ..method(GeosweepWavefront::Curved, 30) };
+        let plan = session.plan(25, 41, &method);
+        let sources = [geosweep_source_at(9.0, 3.0)];
+        let good = floats(&round);
+        for (data, gluing, least, most) in [
+            (moved(0.04), G::Columns, 0.02, 0.08),
+            (moved(0.5), G::Columns, 0.3, 1.0),
+            (good.clone(), G::FlippedColumns, 1.0, 100.0),
+            (good.clone(), G::Rows, 1.0, 100.0),
+            (good.clone(), G::Globe, 1.0, 100.0),
+        ] {
+            let points = points(&data);
+            let surface = session.surface(&GeosweepSurfaceInfo {
+                gluing: gluing as i32,
+                ..surface_info(25, 41, &points)
+            });
+            let of = frame(plan, &sources);
+            session.map(surface, &of);
+            let is_refused = checks && least > 0.1;
+            let mut outcome = zero();
+            let status = unsafe { geosweep_surface_outcome(surface, 0, &mut outcome) };
+            if is_refused {
+                wrong(status, "check which sides continue each other");
+                wrong(status, "row ");
+                let commands = session.host.commands();
+                session.host.begin(commands);
+                let record = |frame: &GeosweepFrame| unsafe {
+                    geosweep_record_frame(surface, commands, frame, null_mut())
+                };
+                let points = GEOSWEEP_POINTS_UNCHANGED;
+                wrong(record(&GeosweepFrame { points, ..of }), "of a cell apart");
+                ok(unsafe { geosweep_surface_write_points(surface, 0, good.as_ptr(), null()) });
+                ok(record(&of));
+                ok(record(&GeosweepFrame { points, ..of }));
+                session.host.end(commands);
+                session.submit(commands);
+                let status = unsafe { geosweep_surface_outcome(surface, 0, &mut outcome) };
+                match gluing {
+                    G::Columns => ok(status),
+                    _ => wrong(status, "of a cell apart"),
+                }
+            } else {
+                ok(status);
+                let gap = outcome.seam_gap;
+                assert!((least..most).contains(&gap), "{gluing:?}: {gap}");
+            }
+            destroy!(geosweep_surface_destroy(surface));
+        }
+        destroy!(geosweep_plan_destroy(plan));
+        session.end([]);
+    }
 }

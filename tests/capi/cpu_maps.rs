@@ -106,11 +106,20 @@ fn maps_that_cannot_be_are_refused() {
     let (outside, targets) =
         ([zero::<GeosweepSource>(); 1].map(|s| GeosweepSource { row: 99.0, ..s }), [99, 2]);
     let no_points = GeosweepPoints { data: null(), ..good.points };
-    let of = |info: &GeosweepMapInfo| unsafe { geosweep_cpu_map(info, &zero()) };
+    let mut distances = vec![0.0; POINTS];
+    let outputs = GeosweepMapOutputs { distances: distances.as_mut_ptr(), ..zero() };
+    let inside = vec![1_u8; POINTS];
+    let of = |info: &GeosweepMapInfo| unsafe { geosweep_cpu_map(info, &outputs) };
     unsafe {
         all_wrong! {
             geosweep_cpu_map(null(), &zero()) => "info is null",
             geosweep_cpu_map(&good, null()) => "outputs is null",
+            geosweep_cpu_map(&good, &zero()) => "outputs has no array that is not null",
+            geosweep_cpu_map(&good, &GeosweepMapOutputs { inside: inside.as_ptr(), ..outputs })
+                => "outputs->inside is not null, and outputs->signed_distances is",
+            of(&GeosweepMapInfo { targets_needed: 1, ..good }) => "info->targets_needed is 1, and there are 0",
+            of(&GeosweepMapInfo { targets: targets.as_ptr(), target_count: 1, targets_needed: 7, ..good })
+                => "info->targets_needed is 7, and there are 1",
             of(&GeosweepMapInfo { rows: 0, ..good }) => "rows is 0",
             of(&GeosweepMapInfo { source_count: 0, ..good }) => "info->source_count is 0",
             of(&GeosweepMapInfo { sources: outside.as_ptr(), ..good }) => "outside",

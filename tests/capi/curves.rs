@@ -100,6 +100,7 @@ fn unusable_arguments_are_named() {
             contour(GeosweepContourFrame { step: 1.0, ..good }) => "frame->step is 1",
             contour(GeosweepContourFrame { step: f32::NAN, ..spaced }) => "NaN apart",
             contour(spaced) => "2 levels cannot be 0 apart",
+            contour(GeosweepContourFrame { step: 1.0, start: f32::NAN, ..spaced }) => "start NaN of the map is not finite",
             contour(GeosweepContourFrame { level_count: 1025, ..good }) => "1025 entries",
             contour(GeosweepContourFrame { level_count: 1025, step: 1.0, ..spaced }) => "1025",
             contour(GeosweepContourFrame { levels: falling.as_ptr(), ..good }) => "comes before 1",

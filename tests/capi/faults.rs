@@ -53,6 +53,42 @@ impl Replacement for Little {
     }
 }
 
+static PROPERTIES_2: OnceLock<vk::PFN_vkGetPhysicalDeviceProperties2> = OnceLock::new();
+
+/// A device whose driver is known to leave out parts of maps.
+struct Wrong;
+
+impl Replacement for Wrong {
+    fn of_instance(name: &CStr) -> Option<vk::PFN_vkVoidFunction> {
+        unsafe extern "system" fn properties(
+            physical_device: vk::PhysicalDevice,
+            properties: *mut vk::PhysicalDeviceProperties2,
+        ) {
+            unsafe {
+                (PROPERTIES_2.get().unwrap())(physical_device, properties);
+                let mut next = (*properties).p_next.cast::<vk::BaseOutStructure>();
+                while let Some(of) = next.as_mut() {
+                    if of.s_type == vk::StructureType::PHYSICAL_DEVICE_DRIVER_PROPERTIES {
+                        let driver = &mut *next.cast::<vk::PhysicalDeviceDriverProperties>();
+                        let text = |text: &[u8]| {
+                            std::array::from_fn(|at| text.get(at).map_or(0, |&byte| byte as c_char))
+                        };
+                        driver.driver_name = text(b"llvmpipe");
+                        driver.driver_info = text(b"Mesa 24.0.9-0ubuntu0.3 (LLVM 17.0.6)");
+                    }
+                    next = of.p_next;
+                }
+            }
+        }
+        // SAFETY: the function is called with the type of its name.
+        (name == c"vkGetPhysicalDeviceProperties2").then(|| unsafe {
+            std::mem::transmute::<vk::PFN_vkGetPhysicalDeviceProperties2, vk::PFN_vkVoidFunction>(
+                properties,
+            )
+        })
+    }
+}
+
 /// A device without functions.
 struct Bare;
 
@@ -66,6 +102,28 @@ impl Replacement for Bare {
 /// `vkBindImageMemory` for later solvers.
 struct Failing;
 static PIPELINES_FAIL: AtomicBool = AtomicBool::new(true);
+
+/// Result of the calls that [`NoMemory`] makes fail.
+static MEMORY_RESULT: AtomicI32 = AtomicI32::new(0);
+
+extern "system" fn no_memory() -> vk::Result {
+    vk::Result::from_raw(MEMORY_RESULT.load(Ordering::SeqCst))
+}
+
+/// Makes `vkAllocateMemory` or `vkMapMemory` fail.
+struct NoMemory<const MAPS: bool>;
+
+impl<const MAPS: bool> Replacement for NoMemory<MAPS> {
+    fn of_device(name: &CStr) -> Option<vk::PFN_vkVoidFunction> {
+        let fails = if MAPS { c"vkMapMemory" } else { c"vkAllocateMemory" };
+        // SAFETY: as for [`Failing`].
+        (name == fails).then(|| unsafe {
+            std::mem::transmute::<extern "system" fn() -> vk::Result, vk::PFN_vkVoidFunction>(
+                no_memory,
+            )
+        })
+    }
+}
 
 impl Replacement for Failing {
     fn of_device(name: &CStr) -> Option<vk::PFN_vkVoidFunction> {
@@ -110,6 +168,20 @@ fn missing_requirements_of_a_device_are_reported() {
     ok(unsafe { geosweep_compute_queue_family(get, instance, device, &mut family) });
     let families = unsafe { host.instance.get_physical_device_queue_family_properties(device) };
     assert!(families[family as usize].queue_flags.contains(vk::QueueFlags::COMPUTE));
+}
+
+/// A program learns of a driver that computes wrong maps before it creates a device, and cannot make a solver there.
+#[test]
+fn drivers_known_to_be_wrong_are_refused() {
+    let host = Host::without_validation();
+    PROPERTIES_2.get_or_init(|| host.instance.fp_v1_1().get_physical_device_properties2);
+    let (instance, device) = (host.instance.handle(), host.physical_device);
+    let status = unsafe { geosweep_check_device(Some(replaced::<Wrong>), instance, device) };
+    refused(status, GeosweepStatus::Unsupported, "lavapipe of Mesa 24.0 leaves out parts of maps");
+    let mut solver = std::ptr::null_mut();
+    let status = unsafe { geosweep_solver_create(&solver_with::<Wrong>(&host), &mut solver) };
+    refused(status, GeosweepStatus::Unsupported, "install a newer Mesa");
+    assert!(solver.is_null());
 }
 
 /// When a missing function is called, ash would end the process.
@@ -159,4 +231,34 @@ fn calls_that_fail_have_a_status_and_a_name() {
         assert!(surface.is_null(), "{}", last_error());
     }
     session.end([]);
+}
+
+/// Memory that cannot be had or mapped has the status of memory that has run out, or of a device that is lost.
+#[test]
+fn memory_that_is_not_given_or_mapped_has_a_status() {
+    use vk::Result as R;
+    let host = Host::without_validation();
+    let infos = [solver_with::<NoMemory<false>>(&host), solver_with::<NoMemory<true>>(&host)];
+    let data = [0.0f32; 12];
+    let points = [height_points(&data)];
+    for (info, mapping) in
+        infos.iter().zip([R::ERROR_OUT_OF_DEVICE_MEMORY, R::ERROR_MEMORY_MAP_FAILED])
+    {
+        let mut solver = std::ptr::null_mut();
+        ok(unsafe { geosweep_solver_create(info, &mut solver) });
+        for (result, status) in [
+            (mapping, GeosweepStatus::OutOfMemory),
+            (R::ERROR_OUT_OF_HOST_MEMORY, GeosweepStatus::OutOfMemory),
+            (R::ERROR_DEVICE_LOST, GeosweepStatus::DeviceLost),
+            (R::ERROR_UNKNOWN, GeosweepStatus::VulkanError),
+        ] {
+            MEMORY_RESULT.store(result.as_raw(), Ordering::SeqCst);
+            let mut surface = std::ptr::null_mut();
+            let info = surface_info(3, 4, &points);
+            let made = unsafe { geosweep_surface_create(solver, &info, &mut surface) };
+            refused(made, status, "cannot allocate");
+            assert!(surface.is_null());
+        }
+        ok(unsafe { geosweep_solver_destroy(solver) });
+    }
 }

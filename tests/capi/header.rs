@@ -30,7 +30,7 @@ const FILES: [&str; 19] = [
     "profile",
 ];
 /// Files that declare nothing for C.
-const INTERNAL: [&str; 6] = ["arguments", "lib", "loader", "objects", "outputs", "shared"];
+const INTERNAL: [&str; 7] = ["arguments", "lib", "loader", "objects", "outputs", "shared", "users"];
 
 /// Returns a source file with its macro `calls!` expanded, which cbindgen cannot do.
 fn expanded(source: &str) -> String {

@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 use std::ffi::{CStr, c_void};
 use std::ptr::null_mut;
 use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc::{Receiver, Sender, channel};
 
 use geosweep::ash::{
     self,
@@ -13,7 +15,8 @@ use geosweep_capi::*;
 
 use crate::host::Host;
 use crate::session::{
-    Session, all_wrong, frame, height_points, method, ok, refused, solver_info, surface_info,
+    Session, all_wrong, frame, height_points, last_error, method, ok, refused, solver_info,
+    surface_info, wrong,
 };
 
 /// Simple allocator of a program. It calls `vkAllocateMemory` for each block. A block begins at [`OFFSET`] in its
@@ -24,6 +27,8 @@ struct Plain {
     /// The purpose of each block, and whether it is for a buffer, by its memory handle.
     blocks: Mutex<BTreeMap<u64, (String, bool)>>,
     calls: Mutex<Calls>,
+    /// What the next call of `allocate` waits for: it tells the receiver of the first, and waits for the second.
+    pause: Mutex<Option<(Sender<()>, Receiver<()>)>>,
 }
 
 #[derive(Default)]
@@ -48,7 +53,8 @@ impl Plain {
         let types =
             unsafe { host.instance.get_physical_device_memory_properties(host.physical_device) };
         let (blocks, calls) = (Mutex::default(), Mutex::default());
-        Box::new(Self { device: host.device.clone(), types, blocks, calls })
+        let pause = Mutex::new(None);
+        Box::new(Self { device: host.device.clone(), types, blocks, calls, pause })
     }
 
     fn interface(&self) -> GeosweepAllocator {
@@ -72,6 +78,10 @@ unsafe extern "C" fn allocate(
 ) -> vk::Result {
     let (plain, request, memory) = unsafe { (&*user.cast::<Plain>(), &*request, &mut *memory) };
     assert!(memory.memory.is_null() && memory.mapped.is_null() && memory.offset == 0);
+    if let Some((is_here, goes_on)) = plain.pause.lock().unwrap().take() {
+        is_here.send(()).unwrap();
+        goes_on.recv().unwrap();
+    }
     let mut calls = plain.calls.lock().unwrap();
     calls.allocated += 1;
     let fault =
@@ -233,4 +243,97 @@ fn faults_of_the_programs_allocator_are_errors() {
         with(GeosweepAllocator { free: None, ..interface }) => "info->allocator->free is null",
     }
     assert_eq!((host.messages(), host.allocations()), (Vec::new(), 0));
+}
+
+/// While a call of another thread uses an object, the object cannot be destroyed or changed. Nor can it be used while a
+/// call changes it.
+#[test]
+fn objects_that_another_thread_uses_are_kept() {
+    let host = Host::new();
+    let plain = Plain::new(&host);
+    let solver = plain.solver(&host);
+    let data = [0.0f32; 9 * 12];
+    let points = [height_points(&data)];
+    let mut surface = null_mut();
+    ok(unsafe { geosweep_surface_create(solver, &surface_info(9, 12, &points), &mut surface) });
+    // Pointers as numbers, which threads may share.
+    let (of_surface, of_solver) = (surface as usize, solver as usize);
+    let during = |uses: &(dyn Fn() + Sync), meanwhile: &dyn Fn()| {
+        let ((is_here, here), (go_on, goes_on)) = (channel(), channel());
+        *plain.pause.lock().unwrap() = Some((is_here, goes_on));
+        std::thread::scope(|threads| {
+            threads.spawn(uses);
+            here.recv().unwrap();
+            meanwhile();
+            go_on.send(()).unwrap();
+        });
+    };
+    let made = AtomicUsize::new(0);
+    let makes = || {
+        let mut contours = null_mut();
+        let surface = of_surface as *const GeosweepSurface;
+        ok(unsafe { geosweep_contours_create(surface, 100, &mut contours) });
+        made.store(contours as usize, Ordering::SeqCst);
+    };
+    during(&makes, &|| unsafe {
+        all_wrong! {
+            geosweep_surface_destroy(surface) => "surface is used by a call on another thread",
+            geosweep_surface_write_points(surface, 0, data.as_ptr(), std::ptr::null()) => "surface is used by",
+        }
+        // Other calls that only use the object succeed.
+        ok(geosweep_surface_bytes(surface, &mut 0));
+    });
+    let contours = made.load(Ordering::SeqCst) as *mut GeosweepContours;
+    ok(unsafe { geosweep_contours_destroy(contours) });
+    let makes = || {
+        let mut other = null_mut();
+        let (data, solver) = ([0.0f32; 9 * 12], of_solver as *const GeosweepSolver);
+        let points = [height_points(&data)];
+        ok(unsafe { geosweep_surface_create(solver, &surface_info(9, 12, &points), &mut other) });
+        ok(unsafe { geosweep_surface_destroy(other) });
+    };
+    during(&makes, &|| {
+        wrong(
+            unsafe { geosweep_solver_destroy(solver) },
+            "solver is used by a call on another thread",
+        );
+    });
+    ok(unsafe { geosweep_surface_destroy(surface) });
+    ok(unsafe { geosweep_solver_destroy(solver) });
+    assert_eq!((host.messages(), host.allocations()), (Vec::new(), 0));
+}
+
+/// A thread may record while another destroys the surface: with checks, each call succeeds or is refused.
+#[test]
+fn recording_and_destroying_at_the_same_time_is_refused_or_succeeds() {
+    let session = Session::with_checks(Host::new());
+    let data = [0.0f32; 9 * 12];
+    let points = [height_points(&data)];
+    for _ in 0..20 {
+        let surface = session.surface(&surface_info(9, 12, &points)) as usize;
+        std::thread::scope(|threads| {
+            let reads = || {
+                let surface = surface as *const GeosweepSurface;
+                loop {
+                    match unsafe { geosweep_surface_bytes(surface, &mut 0) } {
+                        GeosweepStatus::Success => {}
+                        status => break (status, last_error()),
+                    }
+                }
+            };
+            let readers = [threads.spawn(reads), threads.spawn(reads)];
+            let destroyed = || unsafe { geosweep_surface_destroy(surface as *mut GeosweepSurface) };
+            while destroyed() != GeosweepStatus::Success {
+                let message = last_error();
+                assert!(message.contains("is used by a call on another thread"), "{message}");
+            }
+            for reader in readers {
+                let (status, message) = reader.join().unwrap();
+                assert_eq!(status, GeosweepStatus::InvalidArgument);
+                let words = ["was destroyed before", "is being changed or destroyed"];
+                assert!(words.iter().any(|words| message.contains(words)), "{message}");
+            }
+        });
+    }
+    session.end([]);
 }

@@ -119,7 +119,7 @@ fn unusable_arguments_of_a_solver_are_refused() {
         status
     };
     all_wrong! {
-        create(&zero()) => "info->header_version is 0, and this library was built with header 7",
+        create(&zero()) => "info->header_version is 0, and this library was built with header 8",
         create(&GeosweepSolverInfo { get_instance_proc_addr: None, ..good }) => "is null",
         create(&GeosweepSolverInfo { instance: vk::Instance::null(), ..good }) => "instance is",
         create(&GeosweepSolverInfo { device: vk::Device::null(), ..good }) => "device is the null",
@@ -196,6 +196,8 @@ fn unusable_arguments_of_a_surface_are_refused() {
         create(&GeosweepSurfaceInfo { queue_family_count: 2, ..good }) => "info->queue_families is null",
         create(&GeosweepSurfaceInfo { source_count: 2, ..good }) => "info->sources is null",
         create(&GeosweepSurfaceInfo { lookup_count: 2, ..good }) => "info->lookups is null",
+        create(&GeosweepSurfaceInfo { queue_families: &7777, queue_family_count: 1, ..good })
+            => "info->queue_families has 7777, and the device has",
         create(&sources(&null_buffer)) => "null handle",
         create(&sources(&no_sources)) => "its count is 0",
         create(&lookups) => "offset 3",
@@ -239,6 +241,11 @@ fn unusable_arguments_of_a_surface_are_refused() {
         with(GeosweepPoints { offset: 2, ..on_device }) => "offset is 2",
         with(GeosweepPoints { slowness: 5, view, layout, ..zero() }) => "four components",
         with(GeosweepPoints { dx: 0.0, ..height_points(&data) }) => "info->points[0].dx or dy",
+        with(GeosweepPoints { dx: 0.5, dy: 0.5, ..positions(12) }) => "dx or dy is not 0, and only heights",
+        with(GeosweepPoints { mask: no_mask.as_ptr(), ..on_device }) => "mask is for points in data",
+        with(GeosweepPoints { view, layout, mask: no_mask.as_ptr(), ..zero() }) => "mask is for points in data",
+        with(GeosweepPoints { view, layout, stride: 16, ..zero() }) => "offset or stride is not 0",
+        with(GeosweepPoints { view, ..zero() }) => "layout is 0, in which no image can be read",
         with(GeosweepPoints { dy: f64::NAN, ..height_points(&data) }) => "NaN",
         with(slow) => "slowness -1 at row 0, column 0",
         with(masked) => "no point of the surface is left",

@@ -96,3 +96,65 @@ fn passes_of_a_frame_are_timed_and_counted() {
     }
     session.end([]);
 }
+
+/// With checks, a profile of a frame that has not run is neither used for another frame nor destroyed.
+#[test]
+fn a_profile_in_flight_is_kept() {
+    let session = Session::with_checks(Host::new());
+    let family = host::family(&session.host.instance, session.host.physical_device);
+    let heights = [0.5f32; 12 * 15];
+    let points = [height_points(&heights)];
+    let info = GeosweepSurfaceInfo { slots: 2, ..surface_info(12, 15, &points) };
+    let surface = session.surface(&info);
+    let plan = session.plan(12, 15, &method(GeosweepWavefront::Curved, 6));
+    let sources = [geosweep_source_at(3.0, 4.0)];
+    let mut profiles = [null_mut(); 2];
+    let grain = GeosweepGrain::Iterations as i32;
+    for profile in &mut profiles {
+        ok(unsafe { geosweep_profile_create(surface, plan, grain, family, profile) });
+    }
+    let [first, second] = [(); 2].map(|()| session.host.commands());
+    let record = |commands, slot, profile| {
+        let frame = GeosweepFrame { slot, profile, ..frame(plan, &sources) };
+        unsafe { geosweep_record_frame(surface, commands, &frame, null_mut()) }
+    };
+    session.host.begin(first);
+    session.host.begin(second);
+    let longer = session.plan(12, 15, &method(GeosweepWavefront::Curved, 40));
+    let of_longer = GeosweepFrame { profile: profiles[0], ..frame(longer, &sources) };
+    wrong(
+        unsafe { geosweep_record_frame(surface, first, &of_longer, null_mut()) },
+        "create it with the surface and the plan of the frame",
+    );
+    ok(unsafe { geosweep_plan_destroy(longer) });
+    ok(record(first, 0, profiles[0]));
+    wrong(record(second, 1, profiles[0]), "use a profile for each frame in flight");
+    wrong(
+        unsafe { geosweep_profile_destroy(profiles[0]) },
+        "profile is destroyed and a recording of it",
+    );
+    ok(record(second, 1, profiles[1]));
+    for commands in [first, second] {
+        session.host.end(commands);
+        session.submit(commands);
+    }
+    // Both frames have run.
+    session.host.begin(first);
+    ok(record(first, 0, profiles[1]));
+    session.host.end(first);
+    session.submit(first);
+    // A frame that was discarded will never run.
+    session.host.begin(second);
+    ok(record(second, 1, profiles[0]));
+    session.host.end(second);
+    wrong(unsafe { geosweep_profile_destroy(profiles[0]) }, "has not run");
+    ok(unsafe { geosweep_surface_discard(surface, 1) });
+    ok(unsafe { geosweep_surface_discard_commands(surface, second) });
+    // The profile outlives its surface.
+    ok(unsafe { geosweep_surface_destroy(surface) });
+    for profile in profiles {
+        ok(unsafe { geosweep_profile_destroy(profile) });
+    }
+    ok(unsafe { geosweep_plan_destroy(plan) });
+    session.end([]);
+}

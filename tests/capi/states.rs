@@ -72,6 +72,11 @@ fn calls_before_their_prerequisites_are_refused() {
         record(&unchanged) => "GeosweepFrame::points is a number of its points in the first frame",
         unsafe { geosweep_record_solve(surface, commands, &good.sources, plan) } => "never measured",
     }
+    let (no_count, two_places) = (&sources[..0], GeosweepSources { buffer: 1, ..good.sources });
+    all_wrong! {
+        record(&frame(plan, no_count)) => "frame->sources.count is 0, and sources is not null",
+        record(&GeosweepFrame { sources: two_places, ..good }) => "frame->sources.buffer is 1, and the sources are",
+    }
     let bad = [f32::INFINITY, f32::NAN, -1.0]
         .map(|curvature| [GeosweepSource { curvature, ..sources[0] }]);
     for bad in &bad {
@@ -434,4 +439,82 @@ fn labels_directions_and_log_maps_of_a_plane() {
         geosweep_plan_destroy(plan),
     );
     session.end([to]);
+}
+
+/// Outputs are for the sources of the map. Their order does not matter, and sources that were added count.
+#[test]
+fn outputs_for_other_sources_are_refused() {
+    let mut session = Session::new(Host::new());
+    let floats = [4.0f32, 5.0, 0.0, 0.0, 4.0, 5.0, 0.0, 0.0];
+    let ring = session.host.buffer_of(&floats);
+    let buffers =
+        [0, 16].map(|offset| GeosweepSourceBuffer { buffer: ring.handle, offset, count: 1 });
+    let data = [0.5f32; (ROWS * COLS) as usize];
+    let points = [height_points(&data)];
+    let (sources, source_count) = (buffers.as_ptr(), 2);
+    let info = GeosweepSurfaceInfo { sources, source_count, ..surface_info(ROWS, COLS, &points) };
+    let surface = session.surface(&info);
+    let plan = session.plan(ROWS, COLS, &method(GeosweepWavefront::Curved, 6));
+    let (mut regions, mut directions, mut log_map, mut paths) =
+        (null_mut(), null_mut(), null_mut(), null_mut());
+    unsafe {
+        ok(geosweep_regions_create(surface, GeosweepWavefront::Curved as i32, &mut regions));
+        ok(geosweep_directions_create(surface, null(), &mut directions));
+        ok(geosweep_log_map_create(surface, null(), &mut log_map));
+        ok(geosweep_paths_create(surface, 1, 60, &mut paths));
+    }
+    let commands = session.host.commands();
+    session.host.begin(commands);
+    let starts = [7.0, 8.0];
+    let outputs = |sources: GeosweepSources| unsafe {
+        let of_paths =
+            GeosweepPathFrame { starts: starts.as_ptr(), start_count: 1, sources, ..zero() };
+        let of_regions = GeosweepRegionFrame { sources, ..zero() };
+        let of_directions = GeosweepDirectionFrame { sources, reader: COPY, ..zero() };
+        let unreached = f32::INFINITY;
+        let of_log_map = GeosweepLogMapFrame { sources, reader: COPY, unreached, ..zero() };
+        [
+            geosweep_record_paths(surface, commands, paths, &of_paths, null_mut()),
+            geosweep_record_regions(surface, commands, regions, &of_regions, null_mut()),
+            geosweep_record_directions(surface, commands, directions, &of_directions, null_mut()),
+            geosweep_record_log_map(surface, commands, log_map, &of_log_map, null_mut()),
+        ]
+    };
+    let all =
+        [geosweep_source_at(2.0, 3.0), geosweep_source_at(9.0, 13.0), geosweep_source_at(5.5, 1.0)];
+    let array = |sources: &[GeosweepSource]| frame(plan, sources).sources;
+    let refuse = |sources| {
+        for status in outputs(sources) {
+            wrong(status, "are not those of the map: give all sources of the map");
+        }
+    };
+    let accept = |sources| outputs(sources).map(ok);
+    ok(unsafe { geosweep_record_frame(surface, commands, &frame(plan, &all[..2]), null_mut()) });
+    accept(array(&all[..2]));
+    accept(array(&[all[1], all[0]]));
+    let later = [all[0], GeosweepSource { time: 1.0, ..all[1] }];
+    for others in [&all[..1], &all[1..], &all, &later] {
+        refuse(array(others));
+    }
+    ok(unsafe { geosweep_record_add(surface, commands, &array(&all[2..]), plan) });
+    accept(array(&all));
+    refuse(array(&all[..2]));
+    // Buffers are told apart by their place. Their contents are not known.
+    let [first, second] = [0, 1].map(|buffer| GeosweepSources { buffer, ..zero() });
+    let of_buffer = GeosweepFrame { sources: first, ..frame(plan, &[]) };
+    ok(unsafe { geosweep_record_frame(surface, commands, &of_buffer, null_mut()) });
+    accept(first);
+    refuse(second);
+    accept(array(&[geosweep_source_at(4.0, 5.0)]));
+    session.host.end(commands);
+    session.submit(commands);
+    destroy!(
+        geosweep_regions_destroy(regions),
+        geosweep_directions_destroy(directions),
+        geosweep_log_map_destroy(log_map),
+        geosweep_paths_destroy(paths),
+        geosweep_surface_destroy(surface),
+        geosweep_plan_destroy(plan),
+    );
+    session.end([ring]);
 }

@@ -89,7 +89,7 @@ fn recording_a_frame_allocates_nothing_and_calls_nothing_but_commands() {
             let before = allocations();
             let recording = solver.record(&recording_device, commands, &surface);
             let watched = number % 5 == 0;
-            let recording = if watched { recording.profiled(&profile) } else { recording };
+            let recording = if watched { recording.profiled(&profile).unwrap() } else { recording };
             recording
                 .frame(
                     &Frame::new(&plan, inputs[number % 2], Reader::COMPUTE)

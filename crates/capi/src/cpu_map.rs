@@ -3,7 +3,7 @@
 
 use super::arguments::{chart, list, reference, usable};
 use super::choices::{EdgeRuleNumber, WavefrontNumber, choose};
-use super::frame::GeosweepSource;
+use super::frame::{GeosweepSource, check_needed};
 use super::points::{Form, GeosweepPoints};
 use super::status::{Failure, calls};
 use geosweep::geometry::{BackDirections, LogMap, Nearest, signed_distances_by_mask};
@@ -113,6 +113,7 @@ impl GeosweepMapInfo {
         if self.radius != 0.0 {
             options = options.with_radius(self.radius);
         }
+        check_needed(self.targets_needed, self.target_count, "info->targets_needed")?;
         if !targets.is_empty() {
             let points = targets.chunks_exact(2).map(|at| [at[0] as usize, at[1] as usize]);
             let needed = match self.targets_needed {
@@ -122,6 +123,25 @@ impl GeosweepMapInfo {
             options = options.with_targets(Targets::nearest(needed, points));
         }
         Ok((sources, options))
+    }
+}
+
+impl GeosweepMapOutputs {
+    /// Returns an error if nothing is asked for, or an input has no output.
+    fn check(&self) -> Result<(), Failure> {
+        let wants_floats =
+            [self.distances, self.back_directions, self.log_map, self.signed_distances];
+        let wants_any = wants_floats.iter().any(|output| !output.is_null())
+            || !self.back_links.is_null()
+            || !self.nearest.is_null();
+        if !wants_any {
+            return Err(Failure::argument("outputs", "has no array that is not null"));
+        }
+        if !self.inside.is_null() && self.signed_distances.is_null() {
+            let reason = "is not null, and outputs->signed_distances is";
+            return Err(Failure::argument("outputs->inside", reason));
+        }
+        Ok(())
     }
 }
 
@@ -145,6 +165,7 @@ calls! {
     /// targets cannot be reached, the map is whole.
     fn geosweep_cpu_map(info: *const GeosweepMapInfo, outputs: *const GeosweepMapOutputs) {
         let (info, to) = (reference(info, "info")?, reference(outputs, "outputs")?);
+        to.check()?;
         let chart = chart(info.rows, info.cols)?;
         let (surface, (sources, options)) = (info.surface(chart)?, info.problem()?);
         let map = distance_map(&surface, &sources, &options).map_err(failed)?;

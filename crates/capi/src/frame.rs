@@ -184,6 +184,17 @@ pub(super) fn no_place(given: f32, radius: f32, name: &str) -> Result<f32, Failu
     Ok(given)
 }
 
+/// Checks that there are as many targets as are needed.
+pub(super) fn check_needed(needed: u32, targets: u32, name: &str) -> Result<(), Failure> {
+    match needed > targets {
+        true => {
+            let reason = format!("is {needed}, and there are {targets} targets");
+            Err(Failure::argument(name, reason))
+        }
+        false => Ok(()),
+    }
+}
+
 /// Returns the limit of a frame's map.
 ///
 /// # Safety
@@ -192,10 +203,7 @@ pub(super) unsafe fn limit<'a>(given: &GeosweepFrame) -> Result<MapLimit<'a>, Fa
     let &GeosweepFrame { radius, targets, target_count, targets_needed, .. } = given;
     // SAFETY: the caller's promise.
     let targets = unsafe { list(targets, target_count, MOST_TARGETS as usize, "frame->targets") }?;
-    if targets_needed > target_count {
-        let reason = format!("is {targets_needed}, and there are {target_count} targets");
-        return Err(Failure::argument("frame->targets_needed", reason));
-    }
+    check_needed(targets_needed, target_count, "frame->targets_needed")?;
     // Both types are two numbers with the same meaning.
     let targets = bytemuck::cast_slice::<GeosweepTarget, TargetPoint>(targets);
     Ok(MapLimit::to(targets)
@@ -214,9 +222,16 @@ pub(super) unsafe fn sources<'a>(
     if given.sources.is_null() && given.count == 0 {
         return Ok(SourceInput::BufferAt { number: given.buffer as usize, offset: given.offset });
     }
-    if given.offset != 0 {
-        let reason = format!("is {}, and the sources are an array", given.offset);
-        return Err(Failure::argument(&name.replace(".sources", ".offset"), reason));
+    for (member, number) in [("offset", given.offset), ("buffer", given.buffer.into())] {
+        if number != 0 {
+            let reason = format!("is {number}, and the sources are an array");
+            let member = format!("{}{member}", name.trim_end_matches("sources"));
+            return Err(Failure::argument(&member, reason));
+        }
+    }
+    if given.count == 0 {
+        let name = format!("{}count", name.trim_end_matches("sources"));
+        return Err(Failure::argument(&name, "is 0, and sources is not null"));
     }
     // SAFETY: the caller's promise.
     let sources = unsafe { list(given.sources, given.count, SourceInput::MOST_INLINE, name) }?;

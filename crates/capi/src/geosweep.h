@@ -54,7 +54,7 @@
 
 // Version of this header, which `geosweep_solver_create` compares with the library's. It grows with each
 // change that makes programs compile or run differently.
-#define GEOSWEEP_HEADER_VERSION 7
+#define GEOSWEEP_HEADER_VERSION 8
 
 // Flag for `GeosweepSolverInfo::flags` that adds checks during development, at a small cost. With this flag,
 // it is an error to record for one of several slots while the slot's last recording has not run, to destroy
@@ -70,7 +70,7 @@
 #define GEOSWEEP_STRAIGHT 1e-30
 
 // Size in bytes of the record that `geosweep_record_outcome_to` copies.
-#define GEOSWEEP_OUTCOME_BYTES 72
+#define GEOSWEEP_OUTCOME_BYTES 76
 
 // Size in bytes of a curve's record in a `GeosweepCurves`. It is the stride of indirect draws, and the size
 // that `geosweep_curve_record_from_bytes` reads.
@@ -95,7 +95,7 @@ typedef enum GeosweepStatus {
     GEOSWEEP_STATUS_UNSUPPORTED = 2,
     // The grid is too large for the device's images or its memory.
     GEOSWEEP_STATUS_TOO_LARGE = 3,
-    // Out of memory, on the device or in the program.
+    // Out of memory, on the device or in the program, or memory could not be mapped.
     GEOSWEEP_STATUS_OUT_OF_MEMORY = 4,
     // The device is lost.
     GEOSWEEP_STATUS_DEVICE_LOST = 5,
@@ -472,13 +472,16 @@ typedef struct GeosweepSurfaceInfo {
     // Number of entries in `lookups`.
     uint32_t lookup_count;
     // Sides of the grid that coincide, so that distances pass from one to the other. Copies of a point take
-    // the values of the first copy, and are holes if any copy is a hole. Whether the copies coincide is not
-    // checked. Plans for a glued surface need `GeosweepMethod::over_seams`.
+    // the values of the first copy, and are holes if any copy is a hole. `GeosweepOutcome::seam_gap` says how
+    // far copies lie apart. Plans for a glued surface need `GeosweepMethod::over_seams`.
     GeosweepGluing gluing;
     // Points that coincide, for `GEOSWEEP_GLUING_RUNS`.
     const struct GeosweepRunPair *runs;
     // Number of entries in `runs`.
     uint32_t run_count;
+    // Name of the surface in labels and names of objects, for debugging tools and the validation layers; null for
+    // "surface" and a number. The text is UTF-8, and is not needed after the call.
+    const char *name;
 } GeosweepSurfaceInfo;
 
 // An image of distances, directions or a log map. Unless it is your own, it belongs to the object that
@@ -530,6 +533,11 @@ typedef struct GeosweepOutcome {
     // Number of the map's sources that reach no point: those off the grid, in holes, or with a time that is
     // NaN or not below 1e30. Unused entries of a buffer count too.
     uint32_t passed_over;
+    // Largest gap between copies of a point of a glued surface, relative to the longest edge at these copies; 0 if
+    // the surface is not glued. It is rounded down by up to a sixteenth. A gap above a twentieth usually means
+    // that other sides are glued than those that coincide, or that one of them runs in the reverse order. With
+    // `GEOSWEEP_SOLVER_CHECKS`, a gap above a tenth makes the call fail.
+    float seam_gap;
     // Fraction of edges at whose ends the surface's normals differ by more than 30 degrees, among about a
     // thousand edges. It is 0 for a metric. Above a tenth, the grid does not resolve the surface, and the
     // map is that of some polyhedron.
@@ -1443,7 +1451,8 @@ enum GeosweepStatus geosweep_profile_passes(const struct GeosweepProfile *profil
                                             uint32_t capacity,
                                             uint32_t *count);
 
-// Destroys a profile. No submitted work may still use it. Null is allowed.
+// Destroys a profile. No submitted work may still use it; a solver with checks verifies that. Null is
+// allowed.
 enum GeosweepStatus geosweep_profile_destroy(struct GeosweepProfile *profile);
 
 #ifdef __cplusplus

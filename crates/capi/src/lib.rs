@@ -54,6 +54,7 @@ mod solver;
 mod status;
 mod surface;
 mod surface_info;
+mod users;
 
 pub use choices::{GeosweepEdgeRule, GeosweepGluing, GeosweepSchedule, GeosweepWavefront};
 pub use contours::*;

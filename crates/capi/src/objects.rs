@@ -1,4 +1,4 @@
-//! Hands objects to the program, and recognizes objects that were destroyed.
+//! Hands objects to the program, and recognizes objects that were destroyed or that other calls use.
 
 use std::mem::MaybeUninit;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -6,12 +6,15 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use super::arguments::{Output, usable};
 use super::shared::Shared;
 use super::status::Failure;
+use super::users;
 
 /// An object that the program holds by a pointer, after a mark of its kind.
 #[repr(C)]
 struct Handed<T: Object> {
     /// [`Object::MARK`], or [`DESTROYED`].
     mark: AtomicU32,
+    /// Calls that use the object; see [`users`].
+    users: AtomicU32,
     held: MaybeUninit<T::Held>,
 }
 
@@ -66,7 +69,8 @@ const fn mark_of(name: &str) -> u32 {
 
 /// Gives an object to the program, until [`take`] takes it back.
 pub(super) fn hand_out<T: Object>(to: Output<*mut T>, held: T::Held) {
-    let handed = Handed::<T> { mark: T::MARK.into(), held: MaybeUninit::new(held) };
+    let held = MaybeUninit::new(held);
+    let handed = Handed::<T> { mark: T::MARK.into(), users: 0.into(), held };
     to.write(Box::into_raw(Box::new(handed)).cast());
 }
 
@@ -86,10 +90,10 @@ unsafe fn handed<T: Object>(pointer: *const T, name: &str) -> Result<*mut Handed
     }
 }
 
-/// Returns an object.
+/// Returns an object, which no other call can change or destroy before this call returns.
 ///
 /// # Safety
-/// As for [`handed`]. Nothing changes the object during the call.
+/// As for [`handed`].
 pub(super) unsafe fn object<'a, T: Object + 'a>(pointer: *const T) -> Result<&'a T::Held, Failure> {
     // SAFETY: required.
     unsafe { object_named(pointer, T::ARGUMENT) }
@@ -103,48 +107,61 @@ pub(super) unsafe fn object_named<'a, T: Object + 'a>(
     pointer: *const T,
     name: &str,
 ) -> Result<&'a T::Held, Failure> {
-    // SAFETY: required. The mark proves that the object exists.
-    Ok(unsafe { (*handed(pointer, name)?).held.assume_init_ref() })
+    // SAFETY: required. The mark proves that the object exists. It is read again once no call can destroy the object.
+    unsafe {
+        users::share(&(*handed(pointer, name)?).users, name)?;
+        Ok((*handed(pointer, name)?).held.assume_init_ref())
+    }
 }
 
-/// Returns an object that the call may change.
+/// Returns an object that the call may change. No other call can use it before this call returns.
 ///
 /// # Safety
-/// As for [`object`]. Nothing else reads the object either.
+/// As for [`handed`].
 pub(super) unsafe fn exclusive<'a, T: Object + 'a>(
     pointer: *mut T,
 ) -> Result<&'a mut T::Held, Failure> {
-    // SAFETY: required. The mark proves that the object exists.
-    Ok(unsafe { (*handed(pointer, T::ARGUMENT)?).held.assume_init_mut() })
+    // SAFETY: as for [`object_named`].
+    unsafe {
+        users::exclude(&(*handed(pointer, T::ARGUMENT)?).users, T::ARGUMENT)?;
+        Ok((*handed(pointer, T::ARGUMENT)?).held.assume_init_mut())
+    }
 }
 
-/// Takes an object back from the program, to destroy it. Returns `None` for null. With checks, this is an error while
-/// a recording that uses the object has not run. The object's memory is kept then, so that a later use of the pointer
-/// is an error and not undefined behaviour.
+/// Takes an object back from the program, to destroy it. Returns `None` for null. It is an error if another call uses
+/// the object or `check` refuses. With checks, the object's memory is kept, so that a later use of the pointer is an
+/// error and not undefined behaviour.
 ///
 /// # Safety
-/// As for [`exclusive`].
+/// As for [`handed`].
 pub(super) unsafe fn take<T: Object>(
     pointer: *mut T,
-    is_in_flight: impl FnOnce(&T::Held) -> bool,
+    check: impl FnOnce(&T::Held) -> Result<(), Failure>,
 ) -> Result<Option<T::Held>, Failure> {
     if pointer.is_null() {
         return Ok(None);
     }
     // SAFETY: required. The object is moved out only once, since the mark then says that it was destroyed.
     unsafe {
-        let held = object(pointer)?;
+        let held = exclusive(pointer)?;
+        check(held)?;
         let has_checks = T::shared(held).has_checks();
-        if has_checks && is_in_flight(held) {
-            return Err(in_flight(T::ARGUMENT, "is destroyed and a recording of it has not run"));
-        }
         let handed = handed(pointer, T::ARGUMENT)?;
         (*handed).mark.store(DESTROYED, Ordering::Relaxed);
         let held = (*handed).held.assume_init_read();
         if !has_checks {
+            users::forget(&(*handed).users);
             drop(Box::from_raw(handed));
         }
         Ok(Some(held))
+    }
+}
+
+/// With checks, returns an error for an object that is destroyed while a recording that uses it has not run.
+pub(super) fn check_landed<T: Object>(held: &T::Held, is_in_flight: bool) -> Result<(), Failure> {
+    match T::shared(held).has_checks() && is_in_flight {
+        true => Err(in_flight(T::ARGUMENT, "is destroyed and a recording of it has not run")),
+        false => Ok(()),
     }
 }
 

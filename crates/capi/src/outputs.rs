@@ -7,7 +7,7 @@ use ash::vk;
 
 use super::arguments::{Output, optional, reference, write};
 use super::memory::Memory;
-use super::objects::{Object, exclusive, hand_out, object, take};
+use super::objects::{Object, check_landed, exclusive, hand_out, object, take};
 use super::shared::{Made, Shared};
 use super::solver::GeosweepSolver;
 use super::status::Failure;
@@ -116,8 +116,9 @@ pub(super) unsafe fn rebind<T: OutputObject>(
 
 /// Destroys an output. Null is allowed.
 pub(super) unsafe fn destroy<T: OutputObject>(of: *mut T) -> Result<(), Failure> {
+    let check = |output: &T::Held| check_landed::<T>(output, output.of.is_in_flight());
     // SAFETY: required.
-    if let Some(mut output) = unsafe { take(of, |output| output.of.is_in_flight()) }? {
+    if let Some(mut output) = unsafe { take(of, check) }? {
         let shared = &output.shared;
         output.of.destroy(&shared.device, &mut shared.allocator());
     }

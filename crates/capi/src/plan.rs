@@ -103,7 +103,7 @@ calls! {
 
     /// Destroys a plan. Recorded command buffers do not need it. Null is allowed.
     fn geosweep_plan_destroy(plan: *mut GeosweepPlan) {
-        drop(take(plan, |_| false)?);
+        drop(take(plan, |_| Ok(()))?);
     }
 }
 

@@ -111,6 +111,11 @@ impl Form {
                 embed::PointKind::Heights(spacing)
             }
         };
+        if !matches!(kind, embed::PointKind::Heights(_)) && (given.dx != 0.0 || given.dy != 0.0) {
+            let reason = "or dy is not 0, and only heights have a distance between columns and rows: \
+                          their kind is GEOSWEEP_POINT_KIND_HEIGHTS";
+            return Err(Failure::argument(&field("dx"), reason));
+        }
         let first = kind.floats();
         if given.slowness != 0 && given.slowness < first {
             let reason = format!(
@@ -124,10 +129,22 @@ impl Form {
             let reason = "must name exactly one of buffer, view and data";
             return Err(Failure::argument(name, reason));
         }
+        if given.data.is_null() && !given.mask.is_null() {
+            let reason = "is for points in data: in memory of the device, NaN makes a hole";
+            return Err(Failure::argument(&field("mask"), reason));
+        }
         let slowness = (given.slowness != 0).then_some(given.slowness);
         let on_device = |memory| Self::OnDevice(embed::Points { memory, kind, slowness });
         if !given.view.is_null() {
             let (view, layout) = (given.view, given.layout);
+            if given.offset != 0 || given.stride != 0 {
+                let reason = "or stride is not 0, and the points are the texels of view";
+                return Err(Failure::argument(&field("offset"), reason));
+            }
+            if [vk::ImageLayout::UNDEFINED, vk::ImageLayout::PREINITIALIZED].contains(&layout) {
+                let reason = format!("is {}, in which no image can be read", layout.as_raw());
+                return Err(Failure::argument(&field("layout"), reason));
+            }
             return Ok(on_device(embed::PointMemory::Image { view, layout }));
         }
         let GeosweepPoints { buffer, offset, stride, data, mask, .. } = *given;

@@ -9,7 +9,7 @@ use gpu_allocator::MemoryLocation;
 
 use super::arguments::Output;
 use super::choices::{choices, choose};
-use super::objects::{hand_out, kind_of_object, object, take};
+use super::objects::{check_landed, hand_out, kind_of_object, object, take};
 use super::plan::{GeosweepPlan, plan};
 use super::shared::Shared;
 use super::status::{Failure, calls};
@@ -44,6 +44,8 @@ type GrainNumber = i32;
 pub struct GeosweepProfile {
     pub(super) shared: Arc<Shared>,
     pub(super) profile: Profile,
+    /// Number of passes for which there is room, and what makes a pass.
+    room: (u32, Grain),
     clock: Clock,
     pool: vk::QueryPool,
     decisions: Buffer,
@@ -114,7 +116,28 @@ impl GeosweepProfile {
             .with_decisions(Decided { buffer: decisions.buffer, offset: 0, portions: 1 });
         let profile = Profile::new(passes, grain, slots);
         let (shared, is_recorded) = (Arc::clone(shared), AtomicBool::new(false));
-        Ok(Self { shared, profile, clock, pool, decisions, is_recorded })
+        let room = (passes, grain);
+        Ok(Self { shared, profile, room, clock, pool, decisions, is_recorded })
+    }
+
+    /// Returns an error if a frame with this plan has more passes than there is room for.
+    pub(super) fn check_room(
+        &self,
+        surface: &GeosweepSurface,
+        plan: &embed::Plan,
+    ) -> Result<(), Failure> {
+        let (room, grain) = self.room;
+        let passes = self.shared.solver.passes_of_frame(&surface.surface, plan, grain);
+        match passes > room {
+            true => {
+                let reason = format!(
+                    "has room for {room} passes, and the frame has up to {passes}: create it with the surface and the \
+                     plan of the frame"
+                );
+                Err(Failure::argument("frame->profile", reason))
+            }
+            false => Ok(()),
+        }
     }
 
     /// Notes that a frame is about to be recorded.
@@ -197,9 +220,13 @@ calls! {
         output.write(resolved.passes.len() as u32);
     }
 
-    /// Destroys a profile. No submitted work may still use it. Null is allowed.
+    /// Destroys a profile. No submitted work may still use it; a solver with checks verifies that. Null is
+    /// allowed.
     fn geosweep_profile_destroy(profile: *mut GeosweepProfile) {
-        if let Some(mut profile) = take(profile, |_| false)? {
+        let check = |of: &GeosweepProfile| {
+            check_landed::<GeosweepProfile>(of, of.profile.is_in_flight())
+        };
+        if let Some(mut profile) = take(profile, check)? {
             profile.destroy();
         }
     }

@@ -19,7 +19,7 @@ use super::surface::{GeosweepImage, GeosweepOutcome, GeosweepSurface};
 use geosweep::vulkan::embed::{self, MOST_TOGETHER, Recording};
 
 /// Size in bytes of the record that `geosweep_record_outcome_to` copies.
-pub const GEOSWEEP_OUTCOME_BYTES: u32 = 72;
+pub const GEOSWEEP_OUTCOME_BYTES: u32 = 76;
 const _: () = assert!(GEOSWEEP_OUTCOME_BYTES as usize == embed::Outcome::BYTES);
 
 /// Appends commands to a recording for a surface. Writes what `append` returns to `result` unless that is null.
@@ -96,10 +96,12 @@ calls! {
             if !Arc::ptr_eq(&profile.shared, &surface.shared) {
                 return Err(Failure::argument("frame->profile", "is of another solver"));
             }
+            profile.check_room(surface, frame.plan)?;
             // If the frame is refused, nothing is recorded, not even a query.
             recording.check_frame(&frame)?;
+            let recording = recording.profiled(&profile.profile)?;
             profile.note_recording();
-            Ok(recording.profiled(&profile.profile).frame(&frame)?)
+            Ok(recording.frame(&frame)?)
         })?;
     }
 

@@ -17,7 +17,7 @@ use geosweep::vulkan::{Schedule, VulkanError, embed};
 
 /// Version of this header, which `geosweep_solver_create` compares with the library's. It grows with each
 /// change that makes programs compile or run differently.
-pub const GEOSWEEP_HEADER_VERSION: u32 = 7;
+pub const GEOSWEEP_HEADER_VERSION: u32 = 8;
 
 /// Flag for `GeosweepSolverInfo::flags` that adds checks during development, at a small cost. With this flag,
 /// it is an error to record for one of several slots while the slot's last recording has not run, to destroy
@@ -173,18 +173,17 @@ calls! {
     /// Destroys a solver. Its surfaces, plans, contours, paths, regions, directions, log maps and profiles must
     /// be destroyed first; otherwise the call fails. Null is allowed.
     fn geosweep_solver_destroy(solver: *mut GeosweepSolver) {
-        if solver.is_null() {
-            return Ok(());
-        }
-        let others = Arc::strong_count(object(solver)?) - 1;
-        if others > 0 {
-            let reason = format!(
-                "still has {others} surfaces, plans, contours, paths, regions, directions, log maps or profiles: \
-                 destroy them first"
-            );
-            return Err(Failure::argument("solver", reason));
-        }
-        let shared = take(solver, |_| false)?.and_then(Arc::into_inner);
+        let check = |shared: &Arc<Shared>| match Arc::strong_count(shared) - 1 {
+            0 => Ok(()),
+            others => {
+                let reason = format!(
+                    "still has {others} surfaces, plans, contours, paths, regions, directions, log maps or \
+                     profiles: destroy them first"
+                );
+                Err(Failure::argument("solver", reason))
+            }
+        };
+        let shared = take(solver, check)?.and_then(Arc::into_inner);
         if let Some(Shared { device, mut solver, allocator, .. }) = shared {
             solver.destroy(&device);
             // This frees the solver's own blocks.

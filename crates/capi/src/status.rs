@@ -7,6 +7,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use ash::vk;
 use gpu_allocator::AllocationError;
 
+use super::users::Call;
 use geosweep::surface::SurfaceError;
 use geosweep::vulkan::VulkanError;
 
@@ -22,7 +23,7 @@ pub enum GeosweepStatus {
     Unsupported = 2,
     /// The grid is too large for the device's images or its memory.
     TooLarge = 3,
-    /// Out of memory, on the device or in the program.
+    /// Out of memory, on the device or in the program, or memory could not be mapped.
     OutOfMemory = 4,
     /// The device is lost.
     DeviceLost = 5,
@@ -79,20 +80,43 @@ impl From<VulkanError> for Failure {
             E::NotRun { .. } => S::NotReady,
             E::Unusable { .. } => S::Unsupported,
             E::TooLarge { .. } | E::TooMuchMemory { .. } => S::TooLarge,
-            E::Allocation { source: AllocationError::OutOfMemory, .. } => S::OutOfMemory,
-            E::Allocation { .. } => S::VulkanError,
-            E::Call { result, .. } => match *result {
-                vk::Result::ERROR_OUT_OF_HOST_MEMORY | vk::Result::ERROR_OUT_OF_DEVICE_MEMORY => {
-                    S::OutOfMemory
-                }
-                vk::Result::ERROR_DEVICE_LOST => S::DeviceLost,
-                _ => S::VulkanError,
-            },
+            E::Allocation { source, .. } => status_of(result_of(source)),
+            E::Call { result, .. } => status_of(*result),
             // All other errors are caused by the arguments.
             _ => S::InvalidArgument,
         };
         Self { status, message: message(&error) }
     }
+}
+
+/// Returns the status of a Vulkan call that failed.
+fn status_of(result: vk::Result) -> GeosweepStatus {
+    match result {
+        vk::Result::ERROR_OUT_OF_HOST_MEMORY
+        | vk::Result::ERROR_OUT_OF_DEVICE_MEMORY
+        | vk::Result::ERROR_MEMORY_MAP_FAILED => GeosweepStatus::OutOfMemory,
+        vk::Result::ERROR_DEVICE_LOST => GeosweepStatus::DeviceLost,
+        _ => GeosweepStatus::VulkanError,
+    }
+}
+
+/// Returns the result of the Vulkan call that made an allocation fail. Allocators report most results in words, as the
+/// name or the description of the result.
+fn result_of(error: &AllocationError) -> vk::Result {
+    const KNOWN: [vk::Result; 3] = [
+        vk::Result::ERROR_OUT_OF_HOST_MEMORY,
+        vk::Result::ERROR_MEMORY_MAP_FAILED,
+        vk::Result::ERROR_DEVICE_LOST,
+    ];
+    let text = match error {
+        AllocationError::OutOfMemory => return vk::Result::ERROR_OUT_OF_DEVICE_MEMORY,
+        AllocationError::FailedToMap(text) | AllocationError::Internal(text) => text,
+        _ => return vk::Result::ERROR_UNKNOWN,
+    };
+    let is_named = |result: &vk::Result| {
+        text.contains(&format!("{result:?}")) || text.contains(&result.to_string())
+    };
+    KNOWN.into_iter().find(is_named).unwrap_or(vk::Result::ERROR_UNKNOWN)
 }
 
 /// Returns the message for an error, with the names of the header.
@@ -153,6 +177,7 @@ impl From<SurfaceError> for Failure {
 
 /// Runs a call. Errors and panics become a status and a message for `geosweep_last_error`.
 pub(super) fn guard(call: impl FnOnce() -> Result<(), Failure>) -> GeosweepStatus {
+    let _call = Call::begin();
     // The caller only destroys the object of a call that has panicked, as the status demands.
     match catch_unwind(AssertUnwindSafe(call)) {
         Ok(Ok(())) => GeosweepStatus::Success,

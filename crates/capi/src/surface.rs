@@ -5,7 +5,7 @@ use std::sync::Arc;
 use ash::vk;
 
 use super::arguments::{Output, reference, write};
-use super::objects::{exclusive, hand_out, in_flight, kind_of_object, object, take};
+use super::objects::{check_landed, exclusive, hand_out, in_flight, kind_of_object, object, take};
 use super::points::{Arrays, Copied, Form, GeosweepPoints};
 use super::shared::{Shared, same_fields};
 use super::solver::GeosweepSolver;
@@ -83,6 +83,11 @@ pub struct GeosweepOutcome {
     /// Number of the map's sources that reach no point: those off the grid, in holes, or with a time that is
     /// NaN or not below 1e30. Unused entries of a buffer count too.
     pub passed_over: u32,
+    /// Largest gap between copies of a point of a glued surface, relative to the longest edge at these copies; 0 if
+    /// the surface is not glued. It is rounded down by up to a sixteenth. A gap above a twentieth usually means
+    /// that other sides are glued than those that coincide, or that one of them runs in the reverse order. With
+    /// `GEOSWEEP_SOLVER_CHECKS`, a gap above a tenth makes the call fail.
+    pub seam_gap: f32,
     /// Fraction of edges at whose ends the surface's normals differ by more than 30 degrees, among about a
     /// thousand edges. It is 0 for a metric. Above a tenth, the grid does not resolve the surface, and the
     /// map is that of some polyhedron.
@@ -114,6 +119,7 @@ impl From<embed::Outcome> for GeosweepOutcome {
             holes: outcome.holes,
             edges_without_length: outcome.edges_without_length,
             passed_over: outcome.passed_over,
+            seam_gap: outcome.seam_gap as f32,
             sharp_edges: resolution.map_or(0.0, |of| of.sharp_edges as f32),
             is_rough: resolution.is_some_and(|of| of.is_rough()),
             converged: outcome.converged,
@@ -343,18 +349,17 @@ calls! {
     /// Destroys a surface with its images. No submitted work may still use it; a solver with checks verifies
     /// that. Null is allowed.
     fn geosweep_surface_destroy(surface: *mut GeosweepSurface) {
-        let slot = match surface.is_null() {
-            true => None,
-            false => object(surface)?.surface.in_flight(),
+        let check = |of: &GeosweepSurface| {
+            let landed = check_landed::<GeosweepSurface>(of, of.surface.is_in_flight());
+            landed.map_err(|failure| match of.surface.in_flight() {
+                Some(slot) => {
+                    let what = format!("is destroyed and its last recording for slot {slot} has not run");
+                    in_flight("surface", &what)
+                }
+                None => failure,
+            })
         };
-        let taken = take(surface, |of| of.surface.is_in_flight()).map_err(|failure| match slot {
-            Some(slot) => {
-                let what = format!("is destroyed and its last recording for slot {slot} has not run");
-                in_flight("surface", &what)
-            }
-            None => failure,
-        });
-        let Some(GeosweepSurface { shared, mut surface, mut copied, .. }) = taken? else {
+        let Some(GeosweepSurface { shared, mut surface, mut copied, .. }) = take(surface, check)? else {
             return Ok(());
         };
         let mut allocator = shared.allocator();

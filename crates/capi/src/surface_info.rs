@@ -1,5 +1,8 @@
 //! Parameters of a surface.
 
+use std::borrow::Cow;
+use std::ffi::{CStr, c_char};
+
 use ash::vk;
 
 use super::arguments::{chart, list};
@@ -126,13 +129,16 @@ pub struct GeosweepSurfaceInfo {
     /// Number of entries in `lookups`.
     pub lookup_count: u32,
     /// Sides of the grid that coincide, so that distances pass from one to the other. Copies of a point take
-    /// the values of the first copy, and are holes if any copy is a hole. Whether the copies coincide is not
-    /// checked. Plans for a glued surface need `GeosweepMethod::over_seams`.
+    /// the values of the first copy, and are holes if any copy is a hole. `GeosweepOutcome::seam_gap` says how
+    /// far copies lie apart. Plans for a glued surface need `GeosweepMethod::over_seams`.
     pub gluing: GluingNumber,
     /// Points that coincide, for `GEOSWEEP_GLUING_RUNS`.
     pub runs: *const GeosweepRunPair,
     /// Number of entries in `runs`.
     pub run_count: u32,
+    /// Name of the surface in labels and names of objects, for debugging tools and the validation layers; null for
+    /// "surface" and a number. The text is UTF-8, and is not needed after the call.
+    pub name: *const c_char,
 }
 
 same_fields! {
@@ -152,6 +158,7 @@ pub(super) struct Wanted<'a> {
     sources: Vec<embed::SourceBuffer>,
     lookups: Vec<embed::Lookup>,
     gluing: Option<Gluing>,
+    name: Option<Cow<'a, str>>,
 }
 
 impl<'a> Wanted<'a> {
@@ -190,6 +197,9 @@ impl<'a> Wanted<'a> {
             lookups: lookups.iter().map(|&lookup| lookup.into()).collect(),
             // SAFETY: the caller's promise.
             gluing: unsafe { gluing_of(info) }?,
+            // SAFETY: the text ends with a zero.
+            name: (!info.name.is_null())
+                .then(|| unsafe { CStr::from_ptr(info.name) }.to_string_lossy()),
         })
     }
 
@@ -203,9 +213,27 @@ impl<'a> Wanted<'a> {
             .with_sources(&self.sources)
             .with_lookups(&self.lookups)
             .with_gluing(&self.gluing)
+            .with_name(self.name.as_deref())
+    }
+
+    /// Returns an error if the physical device has no queue family with one of the numbers.
+    fn check_families(&self, shared: &Shared) -> Result<(), Failure> {
+        let Shared { instance, physical_device, .. } = shared;
+        // SAFETY: the physical device is from this instance.
+        let families =
+            unsafe { instance.get_physical_device_queue_family_properties(*physical_device) };
+        let count = families.len();
+        match self.families.iter().find(|&&family| family as usize >= count) {
+            Some(family) => {
+                let reason = format!("has {family}, and the device has {count} families");
+                Err(Failure::argument("info->queue_families", reason))
+            }
+            None => Ok(()),
+        }
     }
 
     pub(super) fn bytes(&self, shared: &Shared) -> Result<u64, Failure> {
+        self.check_families(shared)?;
         let mut bytes = shared.solver.bytes_for(&shared.device, &self.info(&[]))?;
         for form in &self.points {
             if let Form::InProgram(layout, _) = form {
@@ -223,7 +251,13 @@ impl<'a> Wanted<'a> {
 unsafe fn gluing_of(info: &GeosweepSurfaceInfo) -> Result<Option<Gluing>, Failure> {
     // SAFETY: the caller's promise.
     let runs = unsafe { list(info.runs, info.run_count, MOST_RUNS, "info->runs") }?;
-    let gluing = match choose(info.gluing, "info->gluing")? {
+    let chosen = choose(info.gluing, "info->gluing")?;
+    if !runs.is_empty() && !matches!(chosen, GeosweepGluing::Runs) {
+        let reason =
+            "is not 0: runs are for the gluing GEOSWEEP_GLUING_RUNS, and info->gluing is another";
+        return Err(Failure::argument("info->run_count", reason));
+    }
+    let gluing = match chosen {
         GeosweepGluing::None => return Ok(None),
         GeosweepGluing::Columns => Gluing::columns(),
         GeosweepGluing::Rows => Gluing::rows(),

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::npy::{NpyArray, shape_text};
-use super::{Grid, IoError, checked_points, extension, npz, png, raster, read_bytes};
+use super::{Grid, IoError, checked_points, extension, npz, raster, read_bytes};
 use geosweep_surface::{Chart, MetricTensor};
 
 /// Reads a mask, true where the surface is present: an array (M, N) of booleans or integers (`.npy`, or
@@ -28,15 +28,7 @@ pub(super) fn read_mask_values(path: &Path) -> Result<Grid<f64>, IoError> {
             }
             matrix(path, array, "a mask")?
         }
-        "png" => {
-            let reason = |reason| IoError::content(path, reason);
-            let picture = png::decode(&read_bytes(path)?).map_err(reason)?;
-            if picture.bits > 8 {
-                return Err(reason("a mask is an 8-bit grey picture; this one has 16 bits".into()));
-            }
-            picture.grid
-        }
-        "tif" | "tiff" | "asc" => raster::read_mask(path)?,
+        "tif" | "tiff" | "asc" | "png" => raster::read_mask(path)?,
         _ => return Err(IoError::extension(path, "a mask", ".npy, .npz, .png, .tif or .asc")),
     };
     Ok(grid)

@@ -3,7 +3,8 @@
 use super::Georeference;
 
 /// The orientation of a grid on its map. Directions on a grid count rows as running to the south and columns as running
-/// to the east. On rasters whose rows or columns run in other directions, this turns them to the map's north.
+/// to the east. On rasters whose rows or columns run in other directions, this turns them to the map's north. The default
+/// turns nothing.
 ///
 /// ```
 /// use geosweep::io::Georeference;
@@ -16,7 +17,7 @@ use super::Georeference;
 /// assert_eq!(turned.link(3)?, 7);
 /// # Ok::<(), String>(())
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Orientation {
     /// Compass bearing, on the map, of the direction of decreasing rows, in degrees.
     north: f64,
@@ -100,6 +101,23 @@ impl Orientation {
         Ok((2 * quarters.round() as i32 + eighths - 2).rem_euclid(8) + 1)
     }
 
+    /// Returns the direction on the grid, as columns and rows, of a direction on the map that is given as parts to the
+    /// east and to the south.
+    pub fn on_grid(&self, [east, south]: [f64; 2]) -> [f64; 2] {
+        if self.is_grid() {
+            return [east, south];
+        }
+        let (sine, cosine) = self.north.to_radians().sin_cos();
+        // Parts along the direction of decreasing rows, and to its right.
+        let (ahead, right) = (east * sine - south * cosine, east * cosine + south * sine);
+        [if self.is_mirrored { -right } else { right }, -ahead]
+    }
+
+    /// Returns whether columns run to the left of the direction of decreasing rows.
+    pub fn is_mirrored(&self) -> bool {
+        self.is_mirrored
+    }
+
     /// Returns whether directions on the map are those on the grid.
     fn is_grid(&self) -> bool {
         self.north == 0.0 && !self.is_mirrored
@@ -148,6 +166,8 @@ mod tests {
                 prop_assert!(angle > 0.0 && angle <= 360.0);
             }
             prop_assert_eq!([turned.compass(0.0), turned.grass(-1.0)], [0.0, -1.0]);
+            let [cols, rows] = turned.on_grid([east, -north]);
+            prop_assert!((cols - place[1] * dx).abs() < 1e-6 && (rows - place[0] * dy).abs() < 1e-6);
         }
 
         #[test]

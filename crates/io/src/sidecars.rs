@@ -5,7 +5,7 @@ use std::path::Path;
 use roxmltree::{Document, Node};
 
 use super::c_number::c_number;
-use super::{CoordinateSystem, Georeference, IoError, read_beside, with_suffix};
+use super::{CoordinateSystem, Georeference, IoError, extension, read_beside, with_suffix};
 
 /// The metadata of a file `FILE.aux.xml`, which replace those in the raster itself.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -52,9 +52,18 @@ impl Auxiliary {
     }
 }
 
-/// Returns the location in a world file beside a TIFF file, if there is one.
+/// Returns the extensions of world files, in the order in which GDAL looks for them. For `tif` these are `tfw`, `tifw`
+/// and `wld`, and the same in capitals.
+fn world_extensions(extension: &str) -> Vec<String> {
+    let lower = extension.to_ascii_lowercase();
+    let ends = lower.chars().next().into_iter().chain(lower.chars().last()).collect::<String>();
+    let all = [format!("{ends}w"), format!("{lower}w"), "wld".into()];
+    all.into_iter().flat_map(|of| [of.clone(), of.to_ascii_uppercase()]).collect()
+}
+
+/// Returns the location in a world file beside a raster, if there is one.
 pub(super) fn world_file(path: &Path) -> Result<Option<Georeference>, IoError> {
-    for extension in ["tfw", "tifw", "wld", "TFW", "TIFW", "WLD"] {
+    for extension in world_extensions(&extension(path)) {
         let own = path.with_extension(extension);
         if let Some(bytes) = read_beside(&own)? {
             let numbers = String::from_utf8_lossy(&bytes);
@@ -118,6 +127,14 @@ fn system(text: &str) -> Result<CoordinateSystem, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn world_files_have_the_extensions_of_gdal() {
+        let of = |extension| world_extensions(extension).join(" ");
+        assert_eq!(of("tif"), "tfw TFW tifw TIFW wld WLD");
+        assert_eq!(of("TIFF"), "tfw TFW tiffw TIFFW wld WLD");
+        assert_eq!(of("png"), "pgw PGW pngw PNGW wld WLD");
+    }
 
     #[test]
     fn auxiliary_metadata_are_read() {

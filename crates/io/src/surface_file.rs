@@ -9,7 +9,7 @@ use super::file_spacing::FileSpacing;
 use super::no_data::means_given_no_data;
 use super::tiff::Location;
 use super::{
-    GeoTags, Georeference, Grid, IoError, checked_points, exr, extension, png, raster, read_bytes,
+    GeoTags, Georeference, Grid, IoError, checked_points, exr, extension, raster, read_bytes,
 };
 use geosweep_surface::{Ellipsoid, MetricTensor, Spacing, Surface, SurfaceError};
 
@@ -19,7 +19,7 @@ use geosweep_surface::{Ellipsoid, MetricTensor, Spacing, Surface, SurfaceError};
 /// |---|---|
 /// | `.npy` | positions (M, N, 3), heights (M, N) or a metric (M, N, 2, 2), any number type |
 /// | `.npz` | one such array; of several, the first named `surface`, `positions`, `heights` or `metric` |
-/// | `.png` | heights, grey, 8 or 16 bits |
+/// | `.png` | heights, grey, 8 or 16 bits, with the world file (`.pgw`) and the `.aux.xml` that GDAL reads beside it |
 /// | `.tif`, `.tiff` | heights, one band, as GDAL reads it: with scale, offset, no-data value and mask |
 /// | `.asc` | heights, an ESRI ASCII grid |
 /// | `.exr` | positions in channels X, Y, Z or R, G, B, or heights in a single channel or three equal ones |
@@ -46,8 +46,7 @@ impl SurfaceFile {
     /// If the file cannot be read, or is not of one of the formats above.
     pub fn read(path: &Path) -> Result<Self, IoError> {
         let reason = |reason| IoError::content(path, reason);
-        const NOWHERE: &str =
-            "only a GeoTIFF (.tif) or an ESRI ASCII grid (.asc) says where it lies";
+        const NOWHERE: &str = "only a GeoTIFF (.tif), an ESRI ASCII grid (.asc) or a PNG with a world file (.pgw) says where it lies";
         let mut location = Location {
             georeference: Err(NOWHERE.into()),
             geo_tags: None,
@@ -56,8 +55,7 @@ impl SurfaceFile {
         };
         let content = match extension(path).as_str() {
             "npy" | "npz" => array(path)?,
-            "png" => heights(png_heights(&read_bytes(path)?).map_err(reason)?),
-            "tif" | "tiff" | "asc" => {
+            "tif" | "tiff" | "asc" | "png" => {
                 let raster = raster::read_values(path)?;
                 location = raster.location;
                 Content::Heights(raster.grid, raster.spacing)
@@ -251,12 +249,4 @@ fn array(path: &Path) -> Result<Content, IoError> {
             "a surface has shape (M, N, 3) for positions, (M, N) for heights, or (M, N, 2, 2) for a metric",
         )),
     }
-}
-
-fn png_heights(bytes: &[u8]) -> Result<Grid<f64>, String> {
-    let picture = png::decode(bytes)?;
-    if picture.bits < 8 {
-        return Err(format!("has {} bits a pixel; heights need 8 or 16", picture.bits));
-    }
-    Ok(picture.grid)
 }

@@ -215,6 +215,8 @@ pub const SHARP_COSINE: f64 = 0.8660254;
 pub const TURN_UNITS: u32 = 1024;
 /// Stands for the number of points that a renderer's surface lacks until it has been measured.
 pub const NEVER_MEASURED: u32 = 4294967295;
+/// Bits of the number of a point's group of copies beside the gap between these; see glued_points.glsl.
+pub const GAP_GROUP_BITS: u32 = 20;
 /// Largest number of levels of the contours of one recording.
 pub const LEVELS_TOGETHER: u32 = 1024;
 /// Number of words of a curve's record; see curve.glsl.

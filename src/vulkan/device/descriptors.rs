@@ -6,6 +6,7 @@
 
 use ash::vk;
 
+use super::labels::NameOf;
 use super::memory::{Buffer, Image};
 use super::pipelines::Pipelines;
 use super::shaders::{count_of, set_0, set_1, set_2};
@@ -85,6 +86,8 @@ pub(crate) struct Contents<'a> {
     pub(crate) blocks: &'a Buffer,
     /// Buffer to which [`UNPACK`](super::passes::UNPACK) writes distances.
     pub(crate) distances: &'a Buffer,
+    /// Name of the surface.
+    pub(crate) owner: &'a str,
 }
 
 /// Descriptor sets of a grid, or of a batch.
@@ -106,14 +109,15 @@ impl GridSets {
     ) -> Result<Self, VulkanError> {
         let (pool, sets) = allocate(device, pipelines, &[SURFACE, SURFACE, MAP, MAP, HOST])?;
         let mut new = Self { pool, read_back: sets[4], ..Self::default() };
+        let name = |name, set| pipelines.name(NameOf(name, contents.owner), set);
         for writes in 0..2 {
             let (surface, map) = (sets[writes], sets[2 + writes]);
             new.writing[writes] = Sets { surface, other: (MAP, map) };
-            pipelines.name(["reads fronts 1", "reads fronts 0"][writes], surface);
-            pipelines.name(["writes fronts 0", "writes fronts 1"][writes], map);
+            name(["reads fronts 1", "reads fronts 0"][writes], surface);
+            name(["writes fronts 0", "writes fronts 1"][writes], map);
             fill(device, (surface, map), writes, contents);
         }
-        pipelines.name("distances", new.read_back);
+        name("distances", new.read_back);
         write_buffer(device, new.read_back, set_1::OUTPUT, contents.distances);
         Ok(new)
     }
@@ -134,6 +138,8 @@ pub(crate) struct GridContents<'a> {
     pub(crate) gaussian: &'a Image,
     pub(crate) fronts: [&'a Image; 2],
     pub(crate) progress: &'a Buffer,
+    /// Name of the surface.
+    pub(crate) owner: &'a str,
 }
 
 /// Descriptor sets of the passes that exchange fronts between the copies of a point and share its curvature. Their
@@ -157,9 +163,10 @@ impl CopySets {
         copies: &Buffer,
         by_rows: Option<(u64, u64)>,
     ) -> Result<Self, VulkanError> {
-        let GridContents { sets: grid, edges, gaussian, fronts, progress } = contents;
+        let GridContents { sets: grid, edges, gaussian, fronts, progress, owner } = contents;
         let (pool, sets) = allocate(device, pipelines, &[SURFACE; 3])?;
         let mut new = Self { pool, ..Self::default() };
+        let name = |name, set| pipelines.name(NameOf(name, owner), set);
         let fill = |surface, writes: usize| {
             write_image(device, surface, set_0::EDGES, edges);
             write_image(device, surface, set_0::GAUSSIANS, gaussian);
@@ -168,13 +175,13 @@ impl CopySets {
         };
         for writes in 0..2 {
             let surface = sets[writes];
-            pipelines.name(["exchanges in fronts 0", "exchanges in fronts 1"][writes], surface);
+            name(["exchanges in fronts 0", "exchanges in fronts 1"][writes], surface);
             fill(surface, writes);
             write_buffer(device, surface, set_0::COPIES, copies);
             new.writing[writes] = Sets { surface, ..grid.writing[writes] };
         }
         if let Some(part) = by_rows {
-            pipelines.name("reads fronts 0 and copies", sets[2]);
+            name("reads fronts 0 and copies", sets[2]);
             fill(sets[2], 1);
             let part = (copies.buffer, part.0, part.1);
             write_part(device, sets[2], set_0::COPIES_BY_ROW, part);

@@ -141,8 +141,6 @@ fn describe(instance: &ash::Instance, index: usize, device: vk::PhysicalDevice) 
     let properties = unsafe { instance.get_physical_device_properties(device) };
     let name = properties.device_name_as_c_str().unwrap_or(c"unnamed");
     let driver = driver::words(instance, device, properties.api_version);
-    let mut unmet = unmet(instance, device);
-    unmet.extend(driver::known_fault(&driver).map(str::to_owned));
     DeviceInfo {
         index,
         name: name.to_string_lossy().into_owned(),
@@ -152,7 +150,7 @@ fn describe(instance: &ash::Instance, index: usize, device: vk::PhysicalDevice) 
             .map_or("other", |kind| kind.1),
         api_version: version_text(properties.api_version),
         driver,
-        unmet,
+        unmet: unmet(instance, device),
     }
 }
 

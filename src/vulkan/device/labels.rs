@@ -1,7 +1,7 @@
 //! Labels passes and names objects, for debuggers and profilers that show them.
 
 use std::ffi::CStr;
-use std::fmt;
+use std::fmt::{self, Display, Formatter};
 
 use ash::{ext, vk};
 
@@ -10,7 +10,7 @@ use ash::{ext, vk};
 pub(crate) struct Labels(ext::debug_utils::Device);
 
 impl fmt::Debug for Labels {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         f.write_str("Labels")
     }
 }
@@ -37,6 +37,19 @@ impl Labels {
             vk::DebugUtilsObjectNameInfoEXT::default().object_handle(object).object_name(text);
         // SAFETY: the object belongs to this device.
         let _ = unsafe { self.0.set_debug_utils_object_name(&info) };
+    }
+}
+
+/// Name of an object, and of the surface to which it belongs. The latter is empty if a device has a single surface.
+pub(crate) struct NameOf<'a>(pub(crate) &'a str, pub(crate) &'a str);
+
+impl Display for NameOf<'_> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let Self(name, owner) = *self;
+        match owner {
+            "" => f.write_str(name),
+            _ => write!(f, "{name} of {owner}"),
+        }
     }
 }
 

@@ -1,6 +1,7 @@
 //! Creates the compute pipelines of a device. Each pipeline is made once, when it is first requested, and all
 //! surfaces share it.
 
+use std::fmt::Display;
 use std::io::Cursor;
 use std::marker::PhantomData;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -317,7 +318,7 @@ impl Pipelines {
     }
 
     /// Names an object for tools, if names are enabled.
-    pub(crate) fn name(&self, name: &str, object: impl vk::Handle) {
+    pub(crate) fn name(&self, name: impl Display, object: impl vk::Handle) {
         if let Some(labels) = &self.labels {
             // The prefix distinguishes these names from the host's names in captures.
             labels.name(object, &format!("geosweep: {name}"));
@@ -325,9 +326,9 @@ impl Pipelines {
     }
 
     /// Names an image and its view. Layers and tools refer to both.
-    pub(crate) fn name_image(&self, name: &str, image: &Image) {
-        self.name(name, image.image);
-        self.name(name, image.view);
+    pub(crate) fn name_image(&self, name: impl Display, image: &Image) {
+        self.name(&name, image.image);
+        self.name(&name, image.view);
     }
 
     /// Returns the layout of a shader's pipelines.
@@ -348,7 +349,7 @@ impl Pipelines {
         let spirv = row.shader_of(&of.tuning).spirv(of.variant.wavefront);
         let made = compute_pipeline(device, spirv, how, &constants)?;
         self.created.fetch_add(1, Ordering::Relaxed);
-        self.name(&row.name(of.variant), made);
+        self.name(row.name(of.variant), made);
         Ok(made)
     }
 

@@ -26,6 +26,7 @@ use std::ffi::CStr;
 use ash::{khr, vk};
 
 use super::descriptors::{SETS, most_seen};
+use super::driver;
 use super::memory::{FORMAT, IMAGE_USAGE, RESULT_FORMAT};
 use super::passes::PUSH_CONSTANT_BYTES;
 use crate::constants::{MOST_GROUPS, SURROUNDINGS_WORKGROUP};
@@ -45,7 +46,8 @@ pub fn features() -> vk::PhysicalDeviceFeatures {
 /// needs most of it.
 const SHARED_MEMORY_BYTES: u32 = 16 << 10;
 
-/// Returns the requirements that a device does not meet. If the list is empty, the engine runs on the device.
+/// Returns the requirements that a device does not meet, and known faults of its driver that make maps wrong. If the
+/// list is empty, the engine runs on the device.
 pub fn unmet(instance: &ash::Instance, physical_device: vk::PhysicalDevice) -> Vec<String> {
     // SAFETY: the physical device is from this instance.
     let properties = unsafe { instance.get_physical_device_properties(physical_device) };
@@ -54,6 +56,8 @@ pub fn unmet(instance: &ash::Instance, physical_device: vk::PhysicalDevice) -> V
         let version = version_text(properties.api_version);
         unmet.push(format!("it supports Vulkan {version}, but 1.1 is needed"));
     }
+    let driver = driver::words(instance, physical_device, properties.api_version);
+    unmet.extend(driver::known_fault(&driver).map(str::to_owned));
     let limits = properties.limits;
     for (what, offered, needed) in [
         // The widest workgroup whose size is not a matter of tuning.

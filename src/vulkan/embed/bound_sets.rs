@@ -4,13 +4,13 @@ use std::sync::Arc;
 
 use ash::vk;
 
-use super::flight::Flight;
 use super::host_sets::{self, Content, HostSet};
 use super::input_sets::{Versions, versions};
 use super::inputs::SourceInput;
 use super::surface::FrameSurface;
 use crate::vulkan::VulkanError;
 use crate::vulkan::device::pipelines::Pipelines;
+use crate::vulkan::flight::Flight;
 
 /// Descriptor sets in the same number of versions as a replaceable input of the surface. Each rebinding uses the next
 /// free version.
@@ -35,7 +35,8 @@ impl BoundSets {
         contents: &[Content],
     ) -> Result<Self, VulkanError> {
         let count = versions(surface.slots());
-        let (pool, sets) = host_sets::describe(device, pipelines, &contents.repeat(count))?;
+        let (all, owner) = (contents.repeat(count), &surface.grid.owner);
+        let (pool, sets) = host_sets::describe(device, pipelines, &all, owner)?;
         Ok(Self {
             pool,
             versions: Versions::new(sets.chunks(contents.len())),

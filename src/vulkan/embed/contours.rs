@@ -6,6 +6,7 @@ use gpu_allocator::MemoryLocation;
 use super::access::Access;
 use super::creation::creation;
 use super::curves::{CurveBuffer, CurveKind, CurveLayout};
+use super::names::Labelled;
 use super::outputs::{BufferKind, HostMemory, Output, OutputInfo};
 use super::recording::{Recording, grid_size};
 use super::solver::Solver;
@@ -192,8 +193,8 @@ impl Recording<'_> {
     ///
     /// # Errors
     /// If the contours were destroyed or made for another surface, there is no map, the frame's points do not
-    /// exist, are a metric or were replaced since the last [`Output::rebind`], or the levels are not
-    /// finite, not ascending or too many.
+    /// exist, are a metric or were replaced since the last [`Output::rebind`], or the levels or the
+    /// start are not finite, or the levels not ascending or too many.
     pub fn contours(
         &self,
         contours: &Contours,
@@ -201,9 +202,13 @@ impl Recording<'_> {
     ) -> Result<CurveBuffer, VulkanError> {
         contours.check_points(self, frame.points)?;
         let set = contours.sets()?.sets()[0];
+        if !frame.start.is_finite() {
+            let reason = format!("the start {} of the map is not finite", frame.start);
+            return Err(VulkanError::Curves { what: "contours", reason });
+        }
         let (levels, count) = frame.levels.read()?;
         let (recorder, chart) = (&self.recorder, self.surface.grid.chart);
-        let _group = recorder.group(c"geosweep: contours");
+        let _group = self.group(Labelled::Contours);
         let (stages, access) = frame.reader.side();
         let ours = (TRANSFER_WRITE.0 | SHADER.0, TRANSFER_WRITE.1 | SHADER.1);
         recorder.barrier((stages | SHADER.0, access | SHADER.1), ours);

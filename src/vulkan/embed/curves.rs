@@ -234,13 +234,12 @@ impl<K: CurveKind> Output<K> {
         let set = recording.at_points_offset(sets[traced + points]);
         surface.sets.points[points].is_read(&surface.flight);
         let Points { memory, kind, .. } = surface.points[points];
-        let spacing = kind.spacing().map_or([0.0; 2], |of| [of.dx as f32, of.dy as f32]);
         let CurveLayout { curves, capacity, .. } = self.layout();
         let lift = Lift {
             grid: grid_size(surface.grid.chart),
             first_word: set.first_word,
             stride: memory.stride_words(),
-            spacing,
+            spacing: kind.spacing_in_single(),
             first_vertex: self.layout().first_vertex() as i32,
             capacity: capacity as i32,
         };

@@ -2,6 +2,7 @@
 
 use super::access::Reader;
 use super::creation::creation;
+use super::names::Labelled;
 use super::outputs::{HostImage, HostMemory, ImageKind, Output, OutputInfo, SourceFrame};
 use super::recording::Recording;
 use super::solver::Solver;
@@ -107,7 +108,7 @@ impl Recording<'_> {
     ) -> Result<ResultImage, VulkanError> {
         let DirectionKind { starts, over_points } = directions.kind;
         directions.check_sources(self, frame.sources)?;
-        let _group = self.recorder.group(c"geosweep: directions");
+        let _group = self.group(Labelled::Directions);
         let (passes, push) = directions.start(self, frame.sources, frame.before, starts)?;
         passes.over_points(over_points, &push, [None; 2], SHADER);
         Ok(directions.copy(&passes, frame.reader))

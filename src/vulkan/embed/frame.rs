@@ -2,6 +2,7 @@
 
 use super::access::{Access, Reader};
 use super::inputs::SourceInput;
+use super::names::Labelled;
 use super::plan::Plan;
 use super::recording::Recording;
 use super::solver::Solver;
@@ -67,11 +68,11 @@ impl Recording<'_> {
     /// As for these methods. Nothing is recorded then.
     pub fn frame(&self, frame: &Frame) -> Result<ResultImage, VulkanError> {
         let result = self.check_frame(frame)?;
-        let _group = self.recorder.group(c"geosweep: frame");
+        let _group = self.group(Labelled::Frame);
         self.begin(frame.before);
         if let Some(points) = frame.points {
             self.record_measure(points, self.points(points)?);
-            self.surface.state.measure(self.solver.is_curved());
+            self.surface.measures(self.solver);
         }
         self.limited(frame.limit).record_solve(frame.sources, frame.plan);
         self.record_outcome(frame.slot, self.next_outcome(frame.slot));
@@ -95,7 +96,10 @@ impl Recording<'_> {
         let result = self.surface.result(frame.slot, frame.reader.layout)?;
         match frame.points {
             Some(_) => self.surface.state.check_prepared()?,
-            None => self.surface.state.check_measured(frame.plan)?,
+            None => {
+                self.surface.state.check_measured(frame.plan)?;
+                self.surface.check_seams()?;
+            }
         }
         self.check_slot(frame.slot, true)?;
         Ok(result)

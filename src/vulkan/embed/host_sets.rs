@@ -8,6 +8,7 @@ use crate::surface::Chart;
 use crate::vulkan::VulkanError;
 use crate::vulkan::copies::Copies;
 use crate::vulkan::device::descriptors::{self, HOST, write_part, write_view};
+use crate::vulkan::device::labels::NameOf;
 use crate::vulkan::device::limits::Limits;
 use crate::vulkan::device::pipelines::Pipelines;
 use crate::vulkan::device::shaders::set_1;
@@ -177,10 +178,11 @@ pub(super) fn describe(
     device: &ash::Device,
     pipelines: &Pipelines,
     contents: &[Content],
+    owner: &str,
 ) -> Result<(vk::DescriptorPool, Vec<HostSet>), VulkanError> {
     let (pool, sets) = descriptors::allocate(device, pipelines, &vec![HOST; contents.len()])?;
     let filled = sets.into_iter().zip(contents).map(|(set, &content)| {
-        pipelines.name(content.name(), set);
+        pipelines.name(NameOf(content.name(), owner), set);
         fill(device, set, content)
     });
     Ok((pool, filled.collect()))

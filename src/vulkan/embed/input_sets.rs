@@ -3,8 +3,8 @@
 
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
-use super::flight::Flight;
 use super::host_sets::{self, Content, HostSet};
+use crate::vulkan::flight::Flight;
 
 /// Descriptor sets in several versions, of one input of a surface or of an output.
 #[derive(Debug)]

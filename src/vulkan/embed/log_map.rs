@@ -3,6 +3,7 @@
 use super::access::{Access, Reader};
 use super::creation::creation;
 use super::inputs::SourceInput;
+use super::names::Labelled;
 use super::outputs::{HostImage, HostMemory, ImageKind, Output, OutputInfo};
 use super::recording::Recording;
 use super::solver::Solver;
@@ -158,7 +159,7 @@ impl Recording<'_> {
         }
         log_map.check_sources(self, sources)?;
         let LogMapKind { starts, pipelines: [ways, step, round] } = log_map.kind;
-        let _group = self.recorder.group(c"geosweep: log map");
+        let _group = self.group(Labelled::LogMap);
         let (passes, push) = log_map.start(self, sources, before, starts)?;
         let push = Push { radius, unreached, ..push };
         let over_points = |pipeline, push| passes.over_points(pipeline, &push, [None; 2], SHADER);

@@ -8,12 +8,14 @@ use super::bound_sets::BoundSets;
 use super::curves::{self, CurveLayout, Lift};
 use super::host_sets::{self, BufferRange, Content, HostSet};
 use super::inputs::SourceInput;
+use super::map_sources::Given;
 use super::recording::Recording;
 use super::solver::Solver;
 use super::surface::{FrameSurface, ResultImage};
 use crate::surface::Chart;
 use crate::vulkan::VulkanError;
 use crate::vulkan::device::device_memory::DeviceMemory;
+use crate::vulkan::device::labels::NameOf;
 use crate::vulkan::device::limits::Limits;
 use crate::vulkan::device::memory::{Buffer, BufferInfo, Image, ImageInfo};
 use crate::vulkan::device::pipelines::Pipeline;
@@ -244,13 +246,13 @@ impl<K> Output<K> {
         let own = Some(buffer).filter(|_| self.hosts.and_then(HostMemory::buffer).is_none());
         for info in own.into_iter().chain(counts) {
             let buffer = Buffer::new(device, allocator, info)?;
-            pipelines.name(info.name, buffer.buffer);
+            pipelines.name(NameOf(info.name, &surface.grid.owner), buffer.buffer);
             self.buffers.push(buffer);
         }
         let own = image.filter(|_| self.hosts.is_none());
         if let Some(info) = own {
             let image = self.image.insert(Image::new(device, allocator, info)?);
-            pipelines.name_image(info.name, image);
+            pipelines.name_image(NameOf(info.name, &surface.grid.owner), image);
         }
         let contents = self.contents((device, &solver.limits), surface, self.buffer())?;
         self.sets = Some(BoundSets::new(device, pipelines, surface, &contents)?);
@@ -373,7 +375,8 @@ impl<K> Output<K> {
         self.buffers.last().map_or(vk::Buffer::null(), |buffer| buffer.buffer)
     }
 
-    /// Returns an error if the recording is for another surface or has no map, or if the sources cannot be read.
+    /// Returns an error if the recording is for another surface or has no map, or if the sources cannot be read or are
+    /// not those of the map.
     pub(super) fn check_sources(
         &self,
         recording: &Recording,
@@ -383,7 +386,8 @@ impl<K> Output<K> {
         sets.check_surface(recording.surface)?;
         recording.check_sources(sources)?;
         sets.check_sources(recording.surface, sources)?;
-        recording.surface.state.check_map()
+        let given = Given::new(sources, recording.surface);
+        recording.surface.state.check_sources(given, self.info.buffer.name)
     }
 
     /// Writes the inline sources of a recording. Returns the descriptor set from which passes read the sources, and

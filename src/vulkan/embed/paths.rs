@@ -7,6 +7,7 @@ use super::creation::creation;
 use super::curves::{CurveBuffer, CurveKind, CurveLayout, CurveRecord};
 use super::host_sets;
 use super::inputs::{PointSource, SourceInput};
+use super::names::Labelled;
 use super::outputs::{BufferKind, HostMemory, Output, OutputInfo};
 use super::recording::{Recording, grid_size};
 use super::solver::Solver;
@@ -194,7 +195,7 @@ impl Recording<'_> {
         let count = frame.starts.count();
         check_starts(self.recorder.device, frame.starts, layout.curves as usize)?;
         let recorder = &self.recorder;
-        let _group = recorder.group(c"geosweep: paths");
+        let _group = self.group(Labelled::Paths);
         let (stages, access) = frame.reader.and(frame.before).side();
         let ours = (TRANSFER.0 | SHADER.0, TRANSFER.1 | SHADER.1);
         recorder.barrier((stages | SHADER.0, access | SHADER.1), ours);

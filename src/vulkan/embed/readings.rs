@@ -34,7 +34,7 @@ impl Recording<'_> {
     /// Returns the serial of the outcome that is recorded next for a slot.
     pub(super) fn next_outcome(&self, slot: usize) -> u32 {
         let Self { recorder, surface, .. } = self;
-        let serial = surface.flight.next(recorder.buffer, Some(slot));
+        let serial = self.next_serial(Some(slot));
         surface.state.record_outcome(slot, serial, recorder.buffer);
         serial
     }

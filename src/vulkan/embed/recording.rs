@@ -5,6 +5,8 @@ use ash::vk;
 use super::access::Access;
 use super::host_sets::HostSet;
 use super::inputs::{PointMemory, PointSource, SourceInput};
+use super::map_sources::Given;
+use super::names::Labelled;
 use super::numbered::nth;
 use super::plan::Plan;
 use super::solver::{PipelineSet, Solver};
@@ -15,6 +17,7 @@ use crate::surface::{Chart, EdgeRule};
 use crate::update::Wavefront;
 use crate::vulkan::device::bands::{POINT_BYTES, bands, frame_bytes, rows_around};
 use crate::vulkan::device::barrier::{PASS, SHADER, SHADER_WRITE, TRANSFER};
+use crate::vulkan::device::labels::Group;
 use crate::vulkan::device::passes::{
     GLUED_POINTS_FROM_BUFFER, GLUED_POINTS_FROM_IMAGE, MERGE_SURROUNDINGS, POINTS_FROM_BUFFER,
     POINTS_FROM_IMAGE, SOURCES, Variant,
@@ -24,6 +27,7 @@ use crate::vulkan::device::shaders::{
     merge_surroundings, points_from_buffer, sources, surroundings,
 };
 use crate::vulkan::grid_images::INLINE_SOURCES;
+use crate::vulkan::point_kind::PointKind;
 use crate::vulkan::profile::{PassKind, Profile, Work};
 use crate::vulkan::record::{Commands, Recorder};
 use crate::vulkan::schedules::progress::offset;
@@ -51,6 +55,7 @@ pub struct Recording<'a> {
     points_at: u64,
     /// Limit of the maps.
     limit: MapLimit<'a>,
+    profile: Option<&'a Profile>,
 }
 
 /// Minimum number of grid points per source for solving the sources' surroundings first, if there are more
@@ -70,16 +75,24 @@ impl<'a> Recording<'a> {
     ) -> Self {
         let commands = Commands::new(device, commands, &solver.pipelines);
         let recorder = Recorder { commands, grid: &surface.grid };
-        Self { recorder, solver, surface, points_at: 0, limit: MapLimit::NONE }
+        Self { recorder, solver, surface, points_at: 0, limit: MapLimit::NONE, profile: None }
     }
 
     /// Returns this recording with `profile`, which receives the passes recorded by the returned value.
     /// Starts the profile anew: resets its queries in the command buffer and writes the first timestamp. All
     /// calls on the returned value must run in one submission.
-    pub fn profiled(mut self, profile: &'a Profile) -> Self {
+    ///
+    /// # Errors
+    /// [`VulkanError::ProfileInFlight`] with [`super::Tools::checks`], if an earlier recording with this profile has not
+    /// run.
+    pub fn profiled(mut self, profile: &'a Profile) -> Result<Self, VulkanError> {
+        if self.solver.checks {
+            profile.check_use(self.recorder.buffer)?;
+        }
         profile.start(self.recorder.device, self.recorder.buffer);
         self.recorder.commands.observer = Some(profile);
-        self
+        self.profile = Some(profile);
+        Ok(self)
     }
 
     /// Returns this recording with `offset` bytes added to the surface's own offset of the points, as for a ring buffer
@@ -109,6 +122,11 @@ impl<'a> Recording<'a> {
         self.note();
     }
 
+    /// Opens the surface's label over the commands of a kind, until the returned value is dropped.
+    pub(super) fn group(&self, of: Labelled) -> Option<Group<'a>> {
+        self.recorder.group(self.surface.labels.as_ref()?.label(of))
+    }
+
     /// With checks, records a write of a serial after the commands so far. The serial shows that these
     /// commands have run. Returns the serial, or `None` without checks.
     pub(super) fn note(&self) -> Option<u32> {
@@ -120,8 +138,17 @@ impl<'a> Recording<'a> {
     }
 
     pub(super) fn next_note(&self) -> Option<u32> {
-        let Self { recorder, surface, solver, .. } = self;
-        solver.checks.then(|| surface.flight.next(recorder.buffer, None))
+        self.solver.checks.then(|| self.next_serial(None))
+    }
+
+    /// Returns the serial of the commands that are recorded next.
+    pub(super) fn next_serial(&self, slot: Option<usize>) -> u32 {
+        let Self { recorder, surface, .. } = self;
+        let serial = surface.flight.next(recorder.buffer, slot);
+        if let Some(profile) = self.profile {
+            profile.is_used(&surface.flight, serial, recorder.buffer);
+        }
+        serial
     }
 
     pub(super) fn record_note(&self, serial: u32) {
@@ -156,7 +183,7 @@ impl<'a> Recording<'a> {
         let read = self.points(points)?;
         self.surface.state.check_prepared()?;
         self.record_measure(points, read);
-        self.surface.state.measure(self.solver.is_curved());
+        self.surface.measures(self.solver);
         self.note();
         Ok(())
     }
@@ -185,6 +212,8 @@ impl<'a> Recording<'a> {
                 stride: info.memory.stride_words(),
                 halo: [halo_cols as i32, halo_rows as i32],
                 lattice: lattice.codes(),
+                spacing: kind.spacing_in_single(),
+                is_metric: (kind == PointKind::Metric).into(),
             };
             let pipeline = self.points_pass(info.memory);
             let size = [wide.cols as u32, around.len() as u32];
@@ -234,7 +263,7 @@ impl<'a> Recording<'a> {
     }
 
     pub(super) fn record_solve(&self, sources: SourceInput, plan: &Plan) {
-        self.surface.state.solve(plan, self.limit);
+        self.surface.state.solve(plan, self.limit, Given::new(sources, self.surface));
         self.recorder.forget();
         self.start(sources, plan, false);
         self.steps(plan);
@@ -251,7 +280,7 @@ impl<'a> Recording<'a> {
         self.check_sources(sources)?;
         self.limit.check(self.surface.grid.chart)?;
         self.surface.state.check_wavefront(plan.wavefront)?;
-        self.surface.state.solve(plan, self.limit);
+        self.surface.state.add(plan, self.limit, Given::new(sources, self.surface));
         self.start(sources, plan, true);
         self.steps(plan);
         self.note();

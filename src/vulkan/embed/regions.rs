@@ -5,6 +5,7 @@ use ash::vk;
 use super::access::Access;
 use super::creation::creation;
 use super::curves;
+use super::names::Labelled;
 use super::outputs::{BufferKind, HostMemory, Output, OutputInfo, SourceFrame};
 use super::recording::Recording;
 use super::solver::{Solver, over_any};
@@ -157,7 +158,7 @@ impl Recording<'_> {
             (&regions.kind, regions.chart);
         regions.check_sources(self, frame.sources)?;
         self.surface.state.check_wavefront(*wavefront)?;
-        let _group = self.recorder.group(c"geosweep: regions");
+        let _group = self.group(Labelled::Regions);
         let (stages, access) = frame.reader.and(frame.before).side();
         let ours = (TRANSFER_WRITE.0 | SHADER.0, TRANSFER_WRITE.1 | SHADER.1);
         self.recorder.barrier((stages | SHADER.0, access | SHADER.1), ours);

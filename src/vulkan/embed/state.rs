@@ -2,14 +2,15 @@
 //! device.
 
 use std::hash::{BuildHasher, RandomState};
-use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering::Relaxed};
+use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 
 use ash::vk;
 
-use super::flight::half;
+use super::map_sources::{Given, MapSources};
 use super::plan::Plan;
 use crate::update::Wavefront;
+use crate::vulkan::flight::{half, later};
 use crate::vulkan::{MapLimit, VulkanError};
 
 /// State of a surface whose recordings follow one another.
@@ -22,8 +23,12 @@ pub(super) struct State {
     destroyed: AtomicBool,
     /// Schedule and wavefront of the map, see [`number_of`]; 0 without a map.
     map: AtomicU32,
+    /// Serial of the recording that measures the edges, or of an earlier one.
+    measured_by: AtomicU32,
     /// Number of maps that were started. It identifies the last map.
     maps: AtomicU32,
+    /// Sources of the map.
+    sources: Mutex<MapSources>,
     /// Whether the map has a limit, and whether it has targets.
     is_limited: AtomicBool,
     has_targets: AtomicBool,
@@ -49,7 +54,9 @@ impl State {
             measured: 0.into(),
             destroyed: false.into(),
             map: 0.into(),
+            measured_by: 0.into(),
             maps: 0.into(),
+            sources: Mutex::new(MapSources::new()),
             is_limited: false.into(),
             has_targets: false.into(),
             slots: (0..slots).map(|_| Slot::default()).collect(),
@@ -68,12 +75,30 @@ impl State {
         number != 0 && number == self.prepared.load(Relaxed)
     }
 
-    pub(super) fn measure(&self, with_curvature: bool) {
+    /// Notes that the recording with the serial `coming`, or a later one, measures the edges.
+    pub(super) fn measure(&self, with_curvature: bool, coming: u32) {
+        self.measured_by.store(coming, Relaxed);
         self.measured.store(if with_curvature { CURVATURE } else { EDGES }, Relaxed);
         self.map.store(0, Relaxed);
     }
 
-    pub(super) fn solve(&self, plan: &Plan, limit: MapLimit) {
+    fn sources(&self) -> MutexGuard<'_, MapSources> {
+        self.sources.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Notes a new map from these sources.
+    pub(super) fn solve(&self, plan: &Plan, limit: MapLimit, sources: Given) {
+        self.sources().set(sources);
+        self.note_map(plan, limit);
+    }
+
+    /// Notes that sources are added to the map.
+    pub(super) fn add(&self, plan: &Plan, limit: MapLimit, sources: Given) {
+        self.sources().add(sources);
+        self.note_map(plan, limit);
+    }
+
+    fn note_map(&self, plan: &Plan, limit: MapLimit) {
         self.map.store(number_of(plan), Relaxed);
         self.maps.fetch_add(1, Relaxed);
         self.is_limited.store(limit.is_there(), Relaxed);
@@ -122,6 +147,19 @@ impl State {
         if self.map.load(Relaxed) == 0 { Err(VulkanError::NoMap) } else { Ok(()) }
     }
 
+    /// Returns an error unless there is a map, whose sources may be these.
+    pub(super) fn check_sources(
+        &self,
+        sources: Given,
+        what: &'static str,
+    ) -> Result<(), VulkanError> {
+        self.check_map()?;
+        match self.sources().may_be(sources) {
+            true => Ok(()),
+            false => Err(VulkanError::OtherSources { what }),
+        }
+    }
+
     /// Returns an error unless there is a map with this wavefront.
     pub(super) fn check_wavefront(&self, wavefront: Wavefront) -> Result<(), VulkanError> {
         self.check_map()?;
@@ -155,6 +193,11 @@ impl State {
     /// Returns whether the slot's last recording has run. `serial` is the serial in the slot's record.
     pub(super) fn has_run(&self, slot: usize, serial: u32) -> bool {
         serial != 0 && serial == self.slots[slot].serial.load(Relaxed)
+    }
+
+    /// Returns whether the slot's last recording has run, and has seen the edges as they were measured last.
+    pub(super) fn has_run_since(&self, slot: usize, serial: u32) -> bool {
+        self.has_run(slot, serial) && !later(self.measured_by.load(Relaxed), serial)
     }
 
     /// Returns whether the slot waits for the device. `serial` is the serial in the slot's record.

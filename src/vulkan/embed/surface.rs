@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use ash::vk;
 
-use super::flight::Flight;
 use super::inputs::{Lookup, Points, SourceBuffer};
+use super::names::{SurfaceLabels, name_of_surface};
 use super::numbered::nth;
 use super::outputs::HostImage;
 use super::solver::{PipelineSet, Solver};
@@ -21,6 +21,7 @@ use crate::vulkan::copies::CopyList;
 use crate::vulkan::device::bands::{POINT_BYTES, bands, frame_bytes};
 use crate::vulkan::device::memory::{FORMAT, RESULT_FORMAT};
 use crate::vulkan::device::passes::Variant;
+use crate::vulkan::flight::Flight;
 use crate::vulkan::grid_images::{GridImages, INLINE_SOURCES, Purpose};
 use crate::vulkan::point_kind::PointKind;
 use crate::vulkan::schedules::progress::{Record, offset};
@@ -46,9 +47,9 @@ pub struct SurfaceInfo<'a> {
     pub queue_families: &'a [u32],
     /// Sides of the grid that coincide, so that distances pass from one to the other; see
     /// [`crate::Surface::with_gluing`]. Both sides hold the points of the seam. Copies of a point take the values
-    /// of the first copy, and are holes if any copy is a hole. Whether the copies coincide is not checked. Plans
-    /// for the surface are made with [`super::Plan::over_seams`]. The gluing cannot be [`Gluing::Charts`], which
-    /// depends on positions.
+    /// of the first copy, and are holes if any copy is a hole. [`Outcome::seam_gap`] says how far copies lie apart.
+    /// Plans for the surface are made with [`super::Plan::over_seams`]. The gluing cannot be [`Gluing::Charts`],
+    /// which depends on positions.
     pub gluing: Option<&'a Gluing>,
     /// Images of the host for the distances, one per slot. If this is empty, the surface allocates them. See
     /// [`HostImage`].
@@ -62,6 +63,9 @@ pub struct SurfaceInfo<'a> {
     pub sources: &'a [SourceBuffer],
     /// Buffers for lookups, which recordings select by number.
     pub lookups: &'a [Lookup],
+    /// Name of the surface in labels and names of objects, for debugging tools and the validation layers
+    /// ([`super::Tools::labels`]). With `None` it is `surface` and a number.
+    pub name: Option<&'a str>,
 }
 
 /// Size of the grid and of its images, the purpose of these, and the gluing.
@@ -80,7 +84,13 @@ impl<'a> SurfaceInfo<'a> {
             points: &[],
             sources: &[],
             lookups: &[],
+            name: None,
         }
+    }
+
+    /// Sets [`SurfaceInfo::name`].
+    pub fn with_name(self, name: impl Into<Option<&'a str>>) -> Self {
+        Self { name: name.into(), ..self }
     }
 
     /// Sets [`SurfaceInfo::gluing`].
@@ -122,7 +132,11 @@ impl<'a> SurfaceInfo<'a> {
         let slowed = self.points.iter().any(|points| points.slowness.is_some());
         let slots = self.slots.max(1);
         let results = if self.results.is_empty() { slots } else { 0 };
-        Ok((size, Purpose { slowed, slots: Some(slots), results, families, lattice }, glued))
+        Ok((
+            size,
+            Purpose { slowed, slots: Some(slots), results, families, lattice, owner: "" },
+            glued,
+        ))
     }
 
     fn check(&self) -> Result<(), VulkanError> {
@@ -156,6 +170,10 @@ pub struct FrameSurface {
     pub(super) flight: Arc<Flight>,
     pub(super) edge_rule: EdgeRule,
     pub(super) gluing: Option<Gluing>,
+    /// Whether the solver has [`super::Tools::checks`].
+    checks: bool,
+    /// Labels of recordings, if the solver has [`super::Tools::labels`].
+    pub(super) labels: Option<SurfaceLabels>,
 }
 
 /// Returns an error if points of a kind do not allow a gluing.
@@ -223,11 +241,19 @@ pub struct Outcome {
     /// Number of the map's sources that reach no point: those off the grid, in holes, or with a time that is
     /// NaN or not below 1e30. Unused entries of a buffer count.
     pub passed_over: u32,
+    /// Largest gap between copies of a point of a glued surface, relative to the longest edge at these copies; 0 if the
+    /// surface is not glued. It is rounded down by up to a sixteenth. A gap above a twentieth usually means that
+    /// other sides are glued than those that coincide, or that one side runs in the reverse order. For a metric it
+    /// is the difference between entries, relative to the larger diagonal entry.
+    pub seam_gap: f64,
     /// Resolution of the surface by the grid, for the points that were measured last.
     /// [`crate::Surface::resolution`] is the same on the CPU. It is `None` for a metric, or if the grid is too
     /// small to tell.
     pub resolution: Option<Resolution>,
 }
+
+/// Largest [`Outcome::seam_gap`] that checks accept.
+const LARGEST_GAP: f64 = 0.1;
 
 impl FrameSurface {
     pub(super) fn new(
@@ -239,6 +265,8 @@ impl FrameSurface {
         let families = info.families();
         let (size, purpose, glued) = info.wanted(solver, &families)?;
         let pipelines = &solver.pipelines;
+        let name = name_of_surface(info.name);
+        let purpose = Purpose { owner: &name, ..purpose };
         let slowed = purpose.slowed;
         let small_tiles = solver.tuning().has_small_tiles(size.1);
         let pipeline_set = PipelineSet { slowed, small_tiles, glued: glued.is_some() };
@@ -261,6 +289,8 @@ impl FrameSurface {
                 lookup_counts: info.lookups.iter().map(|lookup| lookup.count).collect(),
                 edge_rule: info.edge_rule,
                 gluing: info.gluing.cloned(),
+                checks: solver.checks,
+                labels: pipelines.labels.is_some().then(|| SurfaceLabels::new(&name)),
                 state: State::new(info.slots.max(1)),
                 flight: Arc::new(Flight::new(grid.records())),
                 grid,
@@ -357,6 +387,7 @@ impl FrameSurface {
     /// If there is no such slot. [`VulkanError::NotRun`] if the last recording for it has not run. If a
     /// command buffer is submitted repeatedly, the result is that of the last run that has ended.
     /// [`VulkanError::PreparationLost`] if [`super::Recording::prepare`] has not run before the recording.
+    /// [`VulkanError::SeamGap`] with [`super::Tools::checks`], if [`Outcome::seam_gap`] is above a tenth.
     pub fn outcome(&self, slot: usize) -> Result<Outcome, VulkanError> {
         self.check_slot(slot)?;
         let record = self.grid.record(slot);
@@ -364,9 +395,45 @@ impl FrameSurface {
             return Err(VulkanError::NotRun { slot });
         }
         match self.state.was_prepared_by(slot, record.prepared) {
-            true => Ok(Outcome::of(&record)),
+            true => self.checked(&record),
             false => Err(VulkanError::PreparationLost),
         }
+    }
+
+    /// Returns the outcome in a record. With checks, it is an error if copies of a point lie apart.
+    fn checked(&self, record: &Record) -> Result<Outcome, VulkanError> {
+        let outcome = Outcome::of(record);
+        if self.checks && outcome.seam_gap > LARGEST_GAP {
+            return Err(VulkanError::SeamGap {
+                gap: outcome.seam_gap,
+                place: record.seam_gap().1.and_then(|group| self.first_copy(group)),
+            });
+        }
+        Ok(outcome)
+    }
+
+    /// Returns the row and column of the first copy in a group.
+    fn first_copy(&self, group: usize) -> Option<(usize, usize)> {
+        let chart = self.grid.chart;
+        let glued = Glued::of_grid(chart, self.gluing.as_ref()?).ok()?;
+        let first = *glued.groups().iter().nth(group)?.first()?;
+        Some(chart.position(first as usize))
+    }
+
+    /// Notes that the next recording measures the edges.
+    pub(super) fn measures(&self, solver: &Solver) {
+        self.state.measure(solver.is_curved(), self.flight.coming());
+    }
+
+    /// With checks, returns an error if the surface's current edges were measured over copies that lie apart, as far as
+    /// a recording that has run has shown it.
+    pub(super) fn check_seams(&self) -> Result<(), VulkanError> {
+        if !self.checks || !self.is_glued() {
+            return Ok(());
+        }
+        let last = (0..self.slots()).map(|slot| (slot, self.grid.record(slot)));
+        let last = last.filter(|(slot, record)| self.state.has_run_since(*slot, record.serial));
+        last.map(|(_, record)| self.checked(&record)).try_for_each(|checked| checked.map(drop))
     }
 
     /// Returns the outcome that [`super::Recording::outcome_to`] has copied to a buffer of the host.
@@ -380,7 +447,7 @@ impl FrameSurface {
         record[..Outcome::BYTES].copy_from_slice(bytes);
         let record: Record = bytemuck::pod_read_unaligned(&record);
         match self.state.is_prepared_by(record.prepared) {
-            true => Ok(Outcome::of(&record)),
+            true => self.checked(&record),
             false => Err(VulkanError::PreparationLost),
         }
     }
@@ -502,6 +569,7 @@ impl Outcome {
             holes: if measured { holes } else { 0 },
             edges_without_length: if measured { no_length } else { 0 },
             passed_over,
+            seam_gap: if measured { record.seam_gap().0.into() } else { 0.0 },
             resolution: resolution.filter(|_| measured),
         }
     }

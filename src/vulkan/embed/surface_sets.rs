@@ -64,7 +64,7 @@ impl HostSets {
                 BufferRange::new(on, "distances", distances, distances_offset, WORD * count)?;
             contents.push(Content::input(input).and_output(output));
         }
-        let (pool, sets) = describe(device, pipelines, &contents)?;
+        let (pool, sets) = describe(device, pipelines, &contents, &grid.owner)?;
         let (of_results, rest) = sets.split_at(grid.slots * result_versions);
         let (inline_sources, rest) = rest.split_first().expect("every surface has this set");
         let (of_points, rest) = rest.split_at(points.len() * versions);

@@ -5,6 +5,7 @@ use std::array;
 use ash::vk;
 
 use super::frame::Frame;
+use super::map_sources::Given;
 use super::recording::Recording;
 use super::solver::Solver;
 use super::surface::FrameSurface;
@@ -112,9 +113,10 @@ impl Solver {
         });
         for SurfaceFrame { surface, frame, .. } in frames {
             if frame.points.is_some() {
-                surface.state.measure(self.is_curved());
+                surface.measures(self);
             }
-            surface.state.solve(frame.plan, frame.limit);
+            let sources = Given::new(frame.sources, surface);
+            surface.state.solve(frame.plan, frame.limit, sources);
         }
         let steps: [_; MOST_TOGETHER] = array::from_fn(|number| {
             let of = frames.get(number)?;

@@ -93,11 +93,12 @@ impl<K: WayKind> Output<K> {
         recorder.barrier(SHADER_WRITE, TRANSFER_READ);
         let (stages, access) = reader.access.side();
         let before = (stages | TRANSFER_WRITE.0, access | TRANSFER_WRITE.1);
-        let layouts = (vk::ImageLayout::UNDEFINED, vk::ImageLayout::GENERAL);
+        let copied = vk::ImageLayout::TRANSFER_DST_OPTIMAL;
+        let layouts = (vk::ImageLayout::UNDEFINED, copied);
         recorder.image_barrier(result.image, before, TRANSFER_WRITE, layouts);
         let whole = (vk::Offset3D::default(), extent(self.chart));
-        recorder.copy_to_image((self.buffer(), start), result.image, whole);
-        let layouts = (vk::ImageLayout::GENERAL, reader.layout);
+        recorder.copy_to_image((self.buffer(), start), (result.image, copied), whole);
+        let layouts = (copied, reader.layout);
         recorder.image_barrier(result.image, TRANSFER_WRITE, reader.access.side(), layouts);
         drop(pass);
         self.end(passes.recording);

@@ -104,6 +104,7 @@ impl Resources {
             tiles: of_workgroups(Kind::Kept),
             blocks: self.distances(),
             distances: self.distances(),
+            owner: &grid.owner,
         };
         self.sets = GridSets::new(device, pipelines, contents)?;
         if let (Some(of_grid), Some(fronts)) = (&grid.copies, self.fronts.first_chunk::<2>()) {
@@ -113,6 +114,7 @@ impl Resources {
                 gaussian: &grid.gaussian,
                 fronts: fronts.each_ref(),
                 progress: self.progress(),
+                owner: &grid.owner,
             };
             let list = of_grid.list().of_batch(layout.maps);
             self.copies = Some(Copies::new(device, allocator, pipelines, list, of_batch)?);

@@ -1,6 +1,6 @@
 //! Observes a recording: writes timestamps at the ends of its passes and stores what is known of their work.
 
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use ash::vk;
 
@@ -10,6 +10,8 @@ use super::presence::Presence;
 use super::slots::{Decided, QueryRange, Slots};
 use super::steps::StepCounter;
 use super::work::Work;
+use crate::vulkan::VulkanError;
+use crate::vulkan::flight::{Flight, half};
 use crate::vulkan::record::{Commands, Moved, Observer, PassKind, PlannedSteps, StepsOf};
 use crate::vulkan::schedules::plan::Step;
 
@@ -23,6 +25,16 @@ pub struct Profile {
     /// Capacity in passes.
     room: usize,
     taken: Mutex<Taken>,
+    last: Mutex<Option<LastUse>>,
+}
+
+/// Last recording with a profile.
+struct LastUse {
+    /// Recordings of the surface.
+    flight: Arc<Flight>,
+    serial: u32,
+    /// Hash of the command buffer's handle.
+    commands: u32,
 }
 
 /// State of the recording so far.
@@ -107,7 +119,44 @@ impl Profile {
             grain,
             room,
             taken: Mutex::new(Taken { entries: Vec::with_capacity(room), ..Taken::default() }),
+            last: Mutex::new(None),
         }
+    }
+
+    fn last(&self) -> MutexGuard<'_, Option<LastUse>> {
+        self.last.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Returns whether a tracked recording with this profile may still be pending. The profile's queries and buffers
+    /// must not be destroyed then. Recordings with an outcome are tracked, and with
+    /// [`super::super::embed::Tools::checks`] all recordings.
+    pub fn is_in_flight(&self) -> bool {
+        self.last().as_ref().is_some_and(|last| last.flight.waits_for(last.serial))
+    }
+
+    /// Returns an error if a recording into another command buffer uses the profile and may still be pending. An
+    /// earlier recording into the same command buffer no longer exists.
+    pub(in crate::vulkan) fn check_use(
+        &self,
+        commands: vk::CommandBuffer,
+    ) -> Result<(), VulkanError> {
+        let is_elsewhere = |last: &LastUse| last.commands != half(commands);
+        let is_elsewhere = self.last().as_ref().is_some_and(is_elsewhere);
+        match is_elsewhere && self.is_in_flight() {
+            true => Err(VulkanError::ProfileInFlight),
+            false => Ok(()),
+        }
+    }
+
+    /// Notes that the recording with this serial uses the profile.
+    pub(in crate::vulkan) fn is_used(
+        &self,
+        flight: &Arc<Flight>,
+        serial: u32,
+        commands: vk::CommandBuffer,
+    ) {
+        *self.last() =
+            Some(LastUse { flight: Arc::clone(flight), serial, commands: half(commands) });
     }
 
     pub(super) fn taken(&self) -> MutexGuard<'_, Taken> {

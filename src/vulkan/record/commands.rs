@@ -237,7 +237,7 @@ impl<'a> Commands<'a> {
     pub(crate) fn copy_to_image(
         &self,
         (from, start): (vk::Buffer, u64),
-        to: vk::Image,
+        (to, layout): (vk::Image, vk::ImageLayout),
         (offset, extent): (vk::Offset3D, vk::Extent3D),
     ) {
         let layer = vk::ImageSubresourceLayers {
@@ -251,7 +251,6 @@ impl<'a> Commands<'a> {
             .image_subresource(layer)
             .image_offset(offset)
             .image_extent(extent);
-        let layout = vk::ImageLayout::GENERAL;
         // SAFETY: the buffer holds this many texels, the part lies in the image, which is in this layout, and
         // nothing else uses either until the next barrier.
         unsafe { self.device.cmd_copy_buffer_to_image(self.buffer, from, to, layout, &[copy]) };

@@ -111,7 +111,8 @@ impl Recorder<'_> {
         self.barrier(SHADER, TRANSFER_WRITE);
         let offset = vk::Offset3D { x: x as i32, y: y as i32, z: 0 };
         let extent = vk::Extent3D { width, height, depth: 1 };
-        self.copy_to_image(self.grid.upload_at(half), image, (offset, extent));
+        let to = (image, vk::ImageLayout::GENERAL);
+        self.copy_to_image(self.grid.upload_at(half), to, (offset, extent));
         self.barrier(TRANSFER_WRITE, SHADER);
     }
 

@@ -6,7 +6,7 @@ use std::ops::Range;
 use bytemuck::{AnyBitPattern, NoUninit, Zeroable};
 
 use crate::Stop;
-use crate::constants::{FAR, NO_LIMIT, ROUND_WORDS, VISIT_WORDS};
+use crate::constants::{FAR, GAP_GROUP_BITS, NO_LIMIT, ROUND_WORDS, VISIT_WORDS};
 use crate::vulkan::device::limits::column_of;
 pub(crate) use crate::vulkan::device::shaders::progress::Progress;
 
@@ -75,8 +75,21 @@ pub(crate) struct Record {
     pub(crate) compared: u32,
     pub(crate) continued: u32,
     pub(crate) turns: [u32; 2],
+    seam_gap: u32,
     /// Serial of the recording that wrote the record; 0 if none has. It is written last.
     pub(crate) serial: u32,
+}
+
+impl Record {
+    /// Returns the largest gap between copies of a point, relative to a cell, and the number of the group of copies, if
+    /// there was room for it. The gap is rounded down by up to a sixteenth.
+    pub(crate) fn seam_gap(&self) -> (f32, Option<usize>) {
+        let largest = (1 << GAP_GROUP_BITS) - 1;
+        let group = self.seam_gap & largest;
+        // The bits of the gap begin after the sign.
+        let bits = (self.seam_gap & !largest) >> 1;
+        (f32::from_bits(bits), (group < largest).then_some(group as usize))
+    }
 }
 
 /// Number of blocks of scans in a recording for which profiles learn whether the scan visited the block.

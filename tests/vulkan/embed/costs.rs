@@ -262,7 +262,7 @@ fn row(host: &mut Host, solver: &embed::Solver, schedule: Schedule, side: usize)
     let passes = solver.passes_of_frame(&surface, &plan, Grain::Blocks);
     let profile = Profile::new(passes, Grain::Blocks, slots);
     host.run(|commands| {
-        frame(solver.record(&device, commands, &surface).profiled(&profile)).unwrap();
+        frame(solver.record(&device, commands, &surface).profiled(&profile).unwrap()).unwrap();
     });
     let outcome = surface.outcome(0).unwrap();
     let resolved = profile.resolve(&device, None, Some(decisions.bytes())).unwrap().unwrap();

@@ -181,6 +181,12 @@ fn missing_and_other_maps_are_not_read() {
         r.resume(&planar).unwrap();
         r.add(inline, &tiles).unwrap();
         r.resume(&tiles).unwrap();
+        r.paths(&paths, &path_frame).unwrap();
+        let others = source(5.0, 6.0);
+        let of_others = PathFrame::new(starts, SourceInput::Inline(&others), read);
+        assert_all!(VulkanError::OtherSources { what: "paths" }, r.paths(&paths, &of_others));
+        r.add(SourceInput::Inline(&others), &tiles).unwrap();
+        assert_all!(VulkanError::OtherSources { what: "paths" }, r.paths(&paths, &path_frame));
     });
     let allocator = stage.host.allocator();
     contours.destroy(&device, allocator);

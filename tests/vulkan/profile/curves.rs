@@ -27,7 +27,7 @@ fn a_host_can_size_its_queries_for_contours_and_paths() {
         [PointSource::at(20.0, 31.5), PointSource { time: 1.0, ..PointSource::at(9.0, 9.0) }];
     for (sources, traces) in [(&sources[..], 3), (&sources[..1], 1)] {
         renderer.host.run(|commands| {
-            let recording = solver.record(&device, commands, surface).profiled(&profile);
+            let recording = solver.record(&device, commands, surface).profiled(&profile).unwrap();
             recording.begin(Access::NONE);
             recording.measure(0).unwrap();
             recording.solve(SourceInput::Inline(sources), &renderer.plan).unwrap();

@@ -115,7 +115,8 @@ impl Renderer {
         watched: bool,
     ) {
         let recording = self.solver.record(device, commands, &self.surface);
-        let recording = if watched { recording.profiled(&self.profile) } else { recording };
+        let recording =
+            if watched { recording.profiled(&self.profile).unwrap() } else { recording };
         recording
             .frame(
                 &Frame::new(

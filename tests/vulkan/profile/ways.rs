@@ -22,7 +22,7 @@ fn a_host_can_size_its_queries_for_directions_and_log_maps() {
 
     let sources = [PointSource::at(20.0, 31.5), PointSource::at(200.25, 9.0)];
     renderer.host.run(|commands| {
-        let recording = solver.record(&device, commands, surface).profiled(&profile);
+        let recording = solver.record(&device, commands, surface).profiled(&profile).unwrap();
         let sources = SourceInput::Inline(&sources);
         recording.begin(Access::NONE);
         recording.measure(0).unwrap();

@@ -141,8 +141,8 @@ impl DirectionArgs {
                 Kind::BackDirection | Kind::SourceDirection => {
                     self.direction_format != DirectionFormat::Vector
                 }
-                Kind::BackLink => true,
-                Kind::Nearest | Kind::LogMap | Kind::Picture => false,
+                Kind::BackLink | Kind::Picture => true,
+                Kind::Nearest | Kind::LogMap => false,
             };
             let orientation = if is_on_map { scene.orientation() } else { Ok(None) };
             let check = orientation.and_then(|orientation| match orientation {
@@ -271,7 +271,7 @@ impl DirectionOutputs {
                         sources,
                         values: &map.distances,
                         directions: &ways().in_chart(),
-                        bearings: &ways().compass(),
+                        bearings: &on_map(compass, ways().compass()),
                     };
                     return Ok(stage_picture(output, || picture.draw())?);
                 }

@@ -23,7 +23,7 @@ pub struct Arrows<'a> {
     pub values: &'a [f32],
     /// The directions in rows and columns.
     pub directions: &'a [[f32; 2]],
-    /// The compass bearings in degrees, negative where there is none.
+    /// The compass bearings on the map in degrees, negative where there is none.
     pub bearings: &'a [f32],
 }
 

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use clap::ValueEnum;
 use geosweep::glam::DVec3;
-use geosweep::io::OutputFile;
+use geosweep::io::{Orientation, OutputFile};
 use geosweep::surface::Geometry;
 
 use super::Scene;
@@ -25,8 +25,9 @@ pub struct PictureArgs {
     #[arg(long, value_enum, default_value_t, help_heading = "Picture")]
     view: ViewArg,
     /// Direction from which the surface is seen, in its coordinates with z up; implies --view shaded. For
-    /// heights, x increases with the column and y with the row, southwards (default: terrain from the south,
-    /// other surfaces from the side to which they bulge)
+    /// heights, x increases with the column and y with the row; on a map, x points to the east and y to the
+    /// south, however rows run (default: terrain from the south, other surfaces from the side to which they
+    /// bulge)
     #[arg(long, value_name = "X,Y,Z", value_parser = direction, allow_hyphen_values = true)]
     #[arg(help_heading = "Picture")]
     toward: Option<DVec3>,
@@ -82,8 +83,22 @@ impl PictureArgs {
             (true, true) => Err("the surface is known only by its metric and has no shape in \
                                  space; choose --view map"
                 .into()),
-            (true, false) => Ok(Look::Space { toward: self.toward, long_side: LONG_SIDE }),
+            (true, false) => {
+                let orientation = self.orientation(scene)?;
+                Ok(Look::Space { toward: self.toward, orientation, long_side: LONG_SIDE })
+            }
             (false, _) => Ok(Look::Map),
+        }
+    }
+
+    /// Returns the orientation of terrain on its map, if it has one.
+    fn orientation(&self, scene: &Scene) -> Result<Option<Orientation>, String> {
+        if !matches!(scene.shape().geometry(), Geometry::Heights { .. }) {
+            return Ok(None);
+        }
+        match (scene.orientation(), self.toward) {
+            (Err(why), Some(_)) => Err(format!("--toward: {why}")),
+            (found, _) => Ok(found.unwrap_or_default()),
         }
     }
 

@@ -173,3 +173,109 @@ fn the_left_of_a_line_is_that_of_the_map() {
         assert!(count > 3);
     }
 }
+
+/// Returns the width of a picture and its pixels.
+fn pixels(bench: &Workbench, name: &str) -> (usize, Vec<[u8; 3]>) {
+    let mut reader = png::Decoder::new(Cursor::new(bench.read(name))).read_info().unwrap();
+    let mut bytes = vec![0; reader.output_buffer_size().unwrap()];
+    let info = reader.next_frame(&mut bytes).unwrap();
+    let size = bytes.len() / (info.width * info.height) as usize;
+    let pixels = bytes.chunks(size).map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
+    (info.width as usize, pixels)
+}
+
+/// Returns the share of pixels that differ visibly.
+fn differing(a: impl IntoIterator<Item = [u8; 3]>, b: impl IntoIterator<Item = [u8; 3]>) -> f64 {
+    let differ = |(a, b): ([u8; 3], [u8; 3])| (0..3).any(|k| a[k].abs_diff(b[k]) > 40);
+    let (mut count, mut all) = (0, 0);
+    for pair in a.into_iter().zip(b) {
+        all += 1;
+        count += usize::from(differ(pair));
+    }
+    f64::from(count as u32) / f64::from(all)
+}
+
+/// A landscape without symmetry looks the same from a side of the map, whichever way the rows of its raster run.
+#[test]
+fn shaded_views_are_from_a_side_of_the_map() {
+    const SIDE: usize = 31;
+    let middle = [SIDE as f64 / 2.0 - 0.5; 2];
+    for view in ["--toward 0.9,0.3,0.6", "--toward=-0.2,-0.9,0.5", "--view shaded"] {
+        let mut first = None;
+        for at in &orientations()[..8] {
+            let bench = Workbench::new();
+            let center = at.coordinates(middle);
+            let at = Georeference { origin: [0, 1].map(|k| at.origin[k] - center[k]), ..*at };
+            let height = |index: usize| {
+                let [x, y] = at.coordinates([(index / SIDE) as f64, (index % SIDE) as f64]);
+                let bump = |a: f64, b: f64, size: f64| {
+                    size * (-((x - a).powi(2) + (y - b).powi(2)) / 1800.0).exp()
+                };
+                (bump(-90.0, 60.0, 70.0) + bump(80.0, 90.0, 25.0) - bump(60.0, -80.0, 40.0)) as f32
+            };
+            let heights: Vec<f32> = (0..SIDE * SIDE).map(height).collect();
+            let mut bytes = Cursor::new(Vec::new());
+            MapFormat::Tiff
+                .write(&mut bytes, SIDE, SIDE, &heights, Some(&GeoTags::new(&at)))
+                .unwrap();
+            let file = bench.input("land.tif", bytes.into_inner());
+            bench.done(format!(
+                "contours {file} -s 15,15 --every 60 --engine cpu {view} --picture p.png"
+            ));
+            let (width, found) = pixels(&bench, "p.png");
+            match &first {
+                None => first = Some((width, found)),
+                Some((of_first, expected)) => {
+                    assert_eq!((width, found.len()), (*of_first, expected.len()), "{view} {at:?}");
+                    let share = differing(found, expected.iter().copied());
+                    assert!(share < 0.02, "{view} {at:?}: {share}");
+                }
+            }
+        }
+    }
+    let slanted = Georeference {
+        origin: [5e5, 5e6],
+        down: [3.0, -9.0],
+        right: [10.0, 0.0],
+        system: Some(CoordinateSystem::Projected(32633)),
+    };
+    let bench = Workbench::new();
+    let flat = raster(&bench, &slanted);
+    let line =
+        format!("contours {flat} --spacing 10 -s 3,4 --every 30 --toward 1,0,1 --picture p.png");
+    bench.refuse(&line, &["--toward", "right angles"]);
+    let line = format!("distance {flat} --spacing 10 -s 3,4 --direction-picture p.png");
+    bench.refuse(&line, &["--direction-picture", "right angles"]);
+}
+
+/// Colours of directions are those of the map: in the picture of a raster whose first row is the southernmost one, the
+/// colours of north and south are exchanged.
+#[test]
+fn colours_of_directions_are_those_of_the_map() {
+    const SIDE: usize = 41;
+    let picture = |down: f64| {
+        let at = Georeference {
+            origin: [5e5, 5e6],
+            down: [0.0, down],
+            right: [10.0, 0.0],
+            system: Some(CoordinateSystem::Projected(32633)),
+        };
+        let bench = Workbench::new();
+        let mut bytes = Cursor::new(Vec::new());
+        let flat = [0.0f32; SIDE * SIDE];
+        MapFormat::Tiff.write(&mut bytes, SIDE, SIDE, &flat, Some(&GeoTags::new(&at))).unwrap();
+        let file = bench.input("flat.tif", bytes.into_inner());
+        bench.done(format!("distance {file} -s 20,20 --engine cpu --direction-picture p.png"));
+        pixels(&bench, "p.png")
+    };
+    let [(width, north_up), (_, south_up)] = [-10.0, 10.0].map(picture);
+    // The map is a square at the left of the picture.
+    let height = north_up.len() / width;
+    let rows = |pixels: &[[u8; 3]], flipped: bool| -> Vec<[u8; 3]> {
+        let row = |row: usize| if flipped { height - 1 - row } else { row };
+        (0..height).flat_map(|at| pixels[row(at) * width..][..height / 2].to_vec()).collect()
+    };
+    let as_on_grid = differing(rows(&north_up, false), rows(&south_up, false));
+    let flipped = differing(rows(&north_up, true), rows(&south_up, false));
+    assert!(flipped < 0.2 && as_on_grid > 0.5, "{flipped}, {as_on_grid}");
+}

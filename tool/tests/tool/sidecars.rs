@@ -112,3 +112,60 @@ fn ascii_grids_are_scaled_by_auxiliary_metadata() {
     assert_eq!(file.georeference().unwrap().origin, [1005.0, 2025.0]);
     assert_eq!(file.into_heights().unwrap().values[2], 8.5);
 }
+
+/// Writes a grey picture of 3 x 4 values, 0 to 11.
+fn picture(bench: &Workbench, name: &str, depth: png::BitDepth) -> String {
+    let wide = depth == png::BitDepth::Sixteen;
+    let values = (0..12u16).flat_map(|value| match wide {
+        true => value.to_be_bytes().to_vec(),
+        false => vec![value as u8],
+    });
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, 4, 3);
+    encoder.set_color(png::ColorType::Grayscale);
+    encoder.set_depth(depth);
+    encoder.write_header().unwrap().write_image_data(&values.collect::<Vec<_>>()).unwrap();
+    bench.input(name, bytes)
+}
+
+/// Pictures have the files beside them that GDAL reads.
+#[test]
+fn pictures_are_placed_and_scaled_by_the_files_beside_them() {
+    for depth in [png::BitDepth::Eight, png::BitDepth::Sixteen] {
+        for extension in ["pgw", "pngw", "wld", "PGW"] {
+            let bench = Workbench::new();
+            let file = picture(&bench, "a.png", depth);
+            assert!(SurfaceFile::read(file.as_ref()).unwrap().georeference().is_err());
+            bench.input(&format!("a.{extension}"), WORLD);
+            let found = place(&file);
+            assert_eq!([found.origin, found.right], [[500_005.0, 4_999_995.0], [10.0, 0.0]]);
+            bench.done(format!("distance {file} --spacing 10 --source-xy 500015,4999985 -o d.npy"));
+            assert_eq!(bench.map("d.npy")[5], 0.0);
+        }
+        let bench = Workbench::new();
+        let file = picture(&bench, "a.png", depth);
+        bench.input("a.pgw", WORLD);
+        let more = "<NoDataValue>5</NoDataValue><Offset>7</Offset><Scale>0.5</Scale>";
+        bench.input("a.png.aux.xml", auxiliary(more));
+        let found = place(&file);
+        assert_eq!([found.origin, found.right], [[500_010.0, 4_999_990.0], [20.0, 0.0]]);
+        assert_eq!(found.system, Some(CoordinateSystem::Projected(32633)));
+        let heights = SurfaceFile::read(file.as_ref()).unwrap().into_heights().unwrap().values;
+        assert!(heights[5].is_nan() && heights[4] == 9.0 && heights[11] == 12.5, "{heights:?}");
+        // The spacing is that of the file.
+        bench.done(format!("distance {file} -s 0,0 --engine cpu -o d.tif"));
+        assert_eq!(place(bench.output("d.tif").to_str().unwrap()), found);
+    }
+    // A mask that GDAL keeps beside a picture, and a mask that is a picture with a no-data value.
+    let bench = Workbench::new();
+    let file = picture(&bench, "a.png", png::BitDepth::Eight);
+    let mut bytes = Cursor::new(Vec::new());
+    let shown: Vec<f32> = (0..12).map(|index| f32::from(u8::from(index != 6))).collect();
+    MapFormat::Tiff.write(&mut bytes, 3, 4, &shown, None).unwrap();
+    bench.input("a.png.msk", bytes.into_inner());
+    let mask = picture(&bench, "m.png", png::BitDepth::Eight);
+    bench.input("m.png.aux.xml", auxiliary("<NoDataValue>9</NoDataValue>"));
+    bench.done(format!("distance {file} --spacing 1 -s 0,1 --mask {mask} --engine cpu -o d.npy"));
+    let holes: Vec<_> = (0..12).filter(|&at| bench.map("d.npy")[at].is_infinite()).collect();
+    assert_eq!(holes, [0, 6, 9]);
+}

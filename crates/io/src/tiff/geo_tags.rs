@@ -9,7 +9,7 @@ use ::tiff::encoder::{DirectoryEncoder, TiffKind, TiffValue};
 use ::tiff::tags::{Tag, Type};
 
 use super::directory::Directory;
-use super::epsg_units;
+use super::{Beside, Location, epsg_units};
 use crate::ellipsoids::{self, not_degrees};
 use crate::file_spacing::{FileSpacing, LinearUnit};
 use crate::{CoordinateSystem, Georeference};
@@ -111,13 +111,37 @@ impl GeoTags {
         Self { transformation: Some(matrix), ..Self::default() }
     }
 
+    /// Returns the fields with the place and the system that the files beside a raster give.
+    pub(crate) fn replaced_by(self, beside: &Beside) -> Self {
+        let auxiliary = &beside.auxiliary;
+        let place = auxiliary.transform.or(beside.world.filter(|_| !self.is_placed()));
+        let moved = match place {
+            Some(place) => self.moved_to(&place),
+            None => self,
+        };
+        match auxiliary.system {
+            Some(system) => moved.in_system(system),
+            None => moved,
+        }
+    }
+
+    /// Returns the location of the points. `unit_of_values` is the unit of the heights according to GDAL's metadata.
+    pub(crate) fn location(self, unit_of_values: Option<&str>) -> Location {
+        Location {
+            georeference: self.georeference(),
+            ellipsoid: self.ellipsoid(),
+            metres: self.metres_per_height(unit_of_values),
+            geo_tags: Some(self),
+        }
+    }
+
     /// Returns whether the fields place the pixels.
-    pub(super) fn is_placed(&self) -> bool {
+    pub(crate) fn is_placed(&self) -> bool {
         self.linear().is_some() || self.tie_points.as_ref().is_some_and(|points| points.len() > 6)
     }
 
     /// Returns the fields with another transformation.
-    pub(super) fn moved_to(self, place: &Georeference) -> Self {
+    fn moved_to(self, place: &Georeference) -> Self {
         let Self { mut keys, doubles, text, .. } = self;
         // The corners of pixels are given, whatever the pixels stand for.
         for entry in keys.as_chunks_mut::<4>().0.iter_mut().skip(1) {
@@ -129,7 +153,7 @@ impl GeoTags {
     }
 
     /// Returns the fields with the keys of another coordinate reference system.
-    pub(super) fn in_system(self, system: CoordinateSystem) -> Self {
+    fn in_system(self, system: CoordinateSystem) -> Self {
         let place = Georeference {
             origin: [0.0; 2],
             down: [0.0, -1.0],
@@ -169,7 +193,7 @@ impl GeoTags {
     ///
     /// # Errors
     /// If longitudes and latitudes are not in degrees, or the file names a system whose ellipsoid is not known.
-    pub(super) fn ellipsoid(&self) -> Result<Option<Ellipsoid>, String> {
+    fn ellipsoid(&self) -> Result<Option<Ellipsoid>, String> {
         match self.key(geo_key::ANGULAR_UNITS) {
             None | Some(geo_key::DEGREE) => {}
             Some(9105) => return Err(not_degrees("grads (EPSG:9105)")),
@@ -207,7 +231,7 @@ impl GeoTags {
 
     /// Returns the distance between pixels, if the file gives it in a unit of length. `unit_of_values` is the
     /// unit of the heights according to GDAL's metadata.
-    pub(super) fn spacing(&self, unit_of_values: Option<&str>) -> FileSpacing {
+    pub(crate) fn spacing(&self, unit_of_values: Option<&str>) -> FileSpacing {
         let spacing = match self.lengths() {
             Ok(Some(spacing)) => spacing,
             Ok(None) => return FileSpacing::Unknown,
@@ -308,7 +332,7 @@ impl GeoTags {
     }
 
     /// Returns the length of the unit of the heights, in metres.
-    pub(super) fn metres_per_height(&self, unit_of_values: Option<&str>) -> Result<f64, String> {
+    fn metres_per_height(&self, unit_of_values: Option<&str>) -> Result<f64, String> {
         match self.unit_of_heights(unit_of_values)? {
             geo_key::METRE => Ok(1.0),
             geo_key::FOOT => Ok(0.3048),

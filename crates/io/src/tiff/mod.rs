@@ -100,15 +100,7 @@ pub(super) fn decode(
     check_memory::<[u64; 2]>(layout.rows * layout.cols)?;
     let metadata = Metadata::read(main, layout.sample)?;
     let metadata = metadata.replaced_by(&beside.auxiliary, layout.sample)?;
-    let mut geo_tags = GeoTags::read(main)?;
-    if let Some(place) =
-        beside.auxiliary.transform.or(beside.world.filter(|_| !geo_tags.is_placed()))
-    {
-        geo_tags = geo_tags.moved_to(&place);
-    }
-    if let Some(system) = beside.auxiliary.system {
-        geo_tags = geo_tags.in_system(system);
-    }
+    let geo_tags = GeoTags::read(main)?.replaced_by(&beside);
     let mut values = values(&file, &layout, &metadata, &geo_tags)?;
     let mut hide = |point: usize, visible: bool| {
         if !visible {
@@ -121,30 +113,20 @@ pub(super) fn decode(
     }
     for other in others {
         if other.integer(Tag::NewSubfileType)?.unwrap_or(0) & (REDUCED | MASK) == MASK {
-            apply_mask(&file, other, &layout, &cure, &mut hide)
+            apply_mask(&file, other, (layout.rows, layout.cols), &cure, &mut hide)
                 .map_err(|reason| format!("its mask: {reason}"))?;
         }
     }
     if let Some(bytes) = beside.mask {
-        let mut apply = || {
-            let (file, first) = File::open(bytes)?;
-            let directories = file.directories(first)?;
-            let mask = directories.first().ok_or("holds no picture")?;
-            apply_mask(&file, mask, &layout, &cure, &mut hide)
-        };
-        apply().map_err(|reason| format!("its mask {}.msk: {reason}", path.display()))?;
+        hide_by_mask(path, bytes, (layout.rows, layout.cols), |point| hide(point, false))?;
     }
     let grid = Grid::new(layout.rows, layout.cols, values);
-    let georeference = geo_tags.georeference();
+    let unit = metadata.unit.as_deref();
+    let (spacing, location) = (geo_tags.spacing(unit), geo_tags.location(unit));
     Ok(Raster {
-        grid: Grid { georeference: georeference.as_ref().ok().copied(), ..grid },
-        spacing: geo_tags.spacing(metadata.unit.as_deref()),
-        location: Location {
-            georeference,
-            ellipsoid: geo_tags.ellipsoid(),
-            metres: geo_tags.metres_per_height(metadata.unit.as_deref()),
-            geo_tags: Some(geo_tags),
-        },
+        grid: Grid { georeference: location.georeference.as_ref().ok().copied(), ..grid },
+        spacing,
+        location,
         unreached: metadata.is_infinite(),
     })
 }
@@ -187,19 +169,41 @@ fn values(
     }
 }
 
+/// Calls `hide` with the index of each point that a mask in a file beside the raster hides: `FILE.msk`, a TIFF file.
+pub(super) fn hide_by_mask(
+    path: &Path,
+    mask: &[u8],
+    size: (usize, usize),
+    mut hide: impl FnMut(usize),
+) -> Result<(), String> {
+    let mut apply = || {
+        let (file, first) = File::open(mask)?;
+        let directories = file.directories(first)?;
+        let mask = directories.first().ok_or("holds no picture")?;
+        let mut hide_unless = |point, visible: bool| {
+            if !visible {
+                hide(point);
+            }
+        };
+        apply_mask(&file, mask, size, &Cure(path), &mut hide_unless)
+    };
+    apply().map_err(|reason| format!("its mask {}.msk: {reason}", path.display()))
+}
+
 /// Calls `hide` with the index of each grid point and whether the mask shows the point.
 fn apply_mask(
     file: &File,
     directory: &Directory,
-    of: &Layout,
+    size: (usize, usize),
     cure: &Cure,
     hide: &mut impl FnMut(usize, bool),
 ) -> Result<(), String> {
     let layout = Layout::read(directory, cure)?;
-    if (layout.rows, layout.cols) != (of.rows, of.cols) {
+    if (layout.rows, layout.cols) != size {
+        let (rows, cols) = size;
         return Err(format!(
-            "has {} x {} points, the picture {} x {}",
-            layout.rows, layout.cols, of.rows, of.cols
+            "has {} x {} points, the picture {rows} x {cols}",
+            layout.rows, layout.cols
         ));
     }
     read_band(file, &layout, 0, |point, word| hide(point, word.is_some_and(|word| word != 0)))

@@ -78,7 +78,7 @@ struct Face {
     edges: EdgeLengths<f32>,
 }
 
-const LOOK: Look = Look::Space { toward: None, long_side: PANEL };
+const LOOK: Look = Look::Space { toward: None, orientation: None, long_side: PANEL };
 
 impl Face {
     fn new(surface: Surface) -> Result<Self, geosweep::Error> {

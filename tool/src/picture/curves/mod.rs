@@ -7,6 +7,7 @@ mod space;
 
 use geosweep::geometry::{Contour, Curve, Path, Ridge};
 use geosweep::glam::{DVec3, Vec2};
+use geosweep::io::Orientation;
 use geosweep::surface::Source;
 use geosweep::{Sources, Surface};
 
@@ -80,7 +81,7 @@ pub enum Look {
     Map,
     /// A view in space, from the given direction or from the side that shows most. `long_side` is the longer
     /// side of the picture, in pixels.
-    Space { toward: Option<DVec3>, long_side: usize },
+    Space { toward: Option<DVec3>, orientation: Option<Orientation>, long_side: usize },
 }
 
 const WHITE: Color = [1.0; 3];
@@ -156,7 +157,9 @@ impl CurvePicture<'_> {
     pub fn draw(&self, look: Look) -> Canvas {
         let picture = match look {
             Look::Map => self.draw_map(),
-            Look::Space { toward, long_side } => self.draw_space(toward, long_side),
+            Look::Space { toward, orientation, long_side } => {
+                self.draw_space((toward, orientation.unwrap_or_default()), long_side)
+            }
         };
         let size = Legend::text_size(&picture);
         match self.key {

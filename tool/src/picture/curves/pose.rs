@@ -2,6 +2,7 @@
 
 use geosweep::Surface;
 use geosweep::glam::DVec3;
+use geosweep::io::Orientation;
 use geosweep::surface::{Direction, Geometry};
 
 use super::super::relief::{Tangents, exaggeration};
@@ -27,7 +28,15 @@ impl Pose {
     /// Chooses the view of a surface. Terrain is seen obliquely from the south. Other open surfaces are seen
     /// from the side to which they bulge, with rows downwards and columns to the right. Closed surfaces are
     /// seen obliquely from above, with the z axis upwards.
-    pub fn of(shape: &Surface, toward: Option<DVec3>) -> Self {
+    ///
+    /// The direction `toward` and the default view of terrain are those of a map on which the terrain has an
+    /// orientation: x points to the east and y to the south.
+    pub fn of(shape: &Surface, toward: Option<DVec3>, orientation: Orientation) -> Self {
+        let on_grid = |DVec3 { x, y, z }: DVec3| {
+            let [x, y] = orientation.on_grid([x, y]);
+            DVec3 { x, y, z }
+        };
+        let toward = toward.map(on_grid);
         let heights = matches!(shape.geometry(), Geometry::Heights { .. });
         let exaggeration = exaggeration(shape);
         let tangents = Tangents { shape, exaggeration };
@@ -36,7 +45,7 @@ impl Pose {
         let south = tangents.mean(|row, col| tangents.along(row, col, Direction::South));
         let closed = normal.length() < CLOSED;
         let (own, up) = match (heights, closed) {
-            (true, _) => (0.22 * DVec3::X + 0.8 * DVec3::Y + 0.75 * DVec3::Z, DVec3::Z),
+            (true, _) => (on_grid(DVec3::new(0.22, 0.8, 0.75)), DVec3::Z),
             (_, true) => (DVec3::new(0.6, -1.0, 0.55), DVec3::Z),
             _ => {
                 let tilt = if normal.length() > FLAT { 0.0 } else { 1.0 };
@@ -49,7 +58,8 @@ impl Pose {
         let right = up.cross(toward.unwrap_or(own)).try_normalize();
         let against = right.filter(|right| right.dot(east) < 0.0);
         let mirror = match (heights, toward) {
-            (true, _) => right,
+            // Columns, rows and heights are left-handed, unless the map has them the other way round.
+            (true, _) => right.filter(|_| !orientation.is_mirrored()),
             (false, None) if !closed => against,
             _ => None,
         };

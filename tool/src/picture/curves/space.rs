@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use geosweep::Surface;
 use geosweep::geometry::Curve;
 use geosweep::glam::{DVec2, DVec3, Vec2};
+use geosweep::io::Orientation;
 use geosweep::surface::Chart;
 
 use super::super::canvas::{Canvas, Color};
@@ -21,8 +22,12 @@ const SHORTEST_SIDE: usize = 240;
 const FINEST: usize = 1200;
 
 impl CurvePicture<'_> {
-    pub(super) fn draw_space(&self, toward: Option<DVec3>, long_side: usize) -> Canvas {
-        let pose = Pose::of(self.shape, toward);
+    pub(super) fn draw_space(
+        &self,
+        (toward, orientation): (Option<DVec3>, Orientation),
+        long_side: usize,
+    ) -> Canvas {
+        let pose = Pose::of(self.shape, toward, orientation);
         let mesh = self.mesh(&pose);
         let thickness = (long_side as f32 / 1000.0).max(0.8);
         let view = fitted(&pose, &mesh, long_side);
@@ -140,7 +145,7 @@ mod tests {
             curves: Default::default(),
             quantity: None,
         };
-        picture.draw(Look::Space { toward: Some(toward), long_side: 300 })
+        picture.draw(Look::Space { toward: Some(toward), orientation: None, long_side: 300 })
     }
 
     /// The seam of a globe is in front in one picture and behind in the other. Both pictures must look the same.

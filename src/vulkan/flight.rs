@@ -11,9 +11,10 @@ use crate::vulkan::schedules::progress::Record;
 
 /// Recordings of a surface. They run in the order in which they were recorded.
 ///
-/// A surface shares this value with its contours, paths and regions, which may be destroyed after it.
+/// A surface shares this value with its contours, paths and regions, which may be destroyed after it, and with profiles
+/// of its recordings.
 #[derive(Debug)]
-pub(super) struct Flight {
+pub(in crate::vulkan) struct Flight {
     /// Serial of the last recording.
     serial: AtomicU32,
     kept: Mutex<InFlight>,
@@ -49,7 +50,7 @@ const MOST: usize = 64;
 
 impl Flight {
     /// Creates the tracker. `records` lies in mapped memory that stays mapped until [`Flight::land`].
-    pub(super) fn new(records: &[Record]) -> Self {
+    pub(in crate::vulkan) fn new(records: &[Record]) -> Self {
         let records = Records { first: NonNull::from(records).cast(), count: records.len() };
         let recordings = [Recorded::default(); MOST];
         Self { serial: 0.into(), kept: Mutex::new(InFlight { recordings, records: Some(records) }) }
@@ -61,7 +62,7 @@ impl Flight {
 
     /// Returns the serial of the next recording. The device must write the serial after that recording. Any
     /// earlier recording into the same command buffer has run, is part of this recording, or will never run.
-    pub(super) fn next(&self, commands: vk::CommandBuffer, slot: Option<usize>) -> u32 {
+    pub(in crate::vulkan) fn next(&self, commands: vk::CommandBuffer, slot: Option<usize>) -> u32 {
         // 0 is not a serial, even after 2^32 - 1 recordings.
         let serial = self.serial.fetch_add(1, Relaxed).wrapping_add(1).max(1);
         let commands = half(commands);
@@ -75,18 +76,18 @@ impl Flight {
     }
 
     /// Returns the serial that the next recording will get.
-    pub(super) fn coming(&self) -> u32 {
+    pub(in crate::vulkan) fn coming(&self) -> u32 {
         self.serial.load(Relaxed).wrapping_add(1).max(1)
     }
 
     /// Returns the serial of the last recording.
-    pub(super) fn last(&self) -> u32 {
+    pub(in crate::vulkan) fn last(&self) -> u32 {
         self.serial.load(Relaxed)
     }
 
     /// Returns whether the recording with this serial or an earlier one may still be pending. The result is false for
     /// serial 0, which belongs to no recording, and for serials that were never assigned.
-    pub(super) fn waits_for(&self, serial: u32) -> bool {
+    pub(in crate::vulkan) fn waits_for(&self, serial: u32) -> bool {
         if serial == 0 || later(serial, self.serial.load(Relaxed)) {
             return false;
         }
@@ -96,13 +97,13 @@ impl Flight {
     }
 
     /// Returns a recording that may still be pending, if there is one. The inner value is its slot, if it has one.
-    pub(super) fn waiting(&self) -> Option<Option<usize>> {
+    pub(in crate::vulkan) fn waiting(&self) -> Option<Option<usize>> {
         let kept = self.kept();
         kept.waiting(kept.last_run()).map(|recorded| recorded.slot).next()
     }
 
     /// Notes that the last recording for a slot will never run.
-    pub(super) fn discard_slot(&self, slot: usize) {
+    pub(in crate::vulkan) fn discard_slot(&self, slot: usize) {
         let mut kept = self.kept();
         let of_slot = kept.recordings.iter_mut().filter(|recorded| recorded.slot == Some(slot));
         let last = of_slot.reduce(|a, b| if later(a.serial, b.serial) { a } else { b });
@@ -112,7 +113,7 @@ impl Flight {
     }
 
     /// Notes that the commands in a command buffer will never run.
-    pub(super) fn discard_commands(&self, commands: vk::CommandBuffer) {
+    pub(in crate::vulkan) fn discard_commands(&self, commands: vk::CommandBuffer) {
         let commands = half(commands);
         for recorded in &mut self.kept().recordings {
             if recorded.commands == commands {
@@ -122,7 +123,7 @@ impl Flight {
     }
 
     /// Notes that each recording has run or will never run. The records may be unmapped afterwards.
-    pub(super) fn land(&self) {
+    pub(in crate::vulkan) fn land(&self) {
         let mut kept = self.kept();
         kept.records = None;
         kept.recordings = [Recorded::default(); MOST];
@@ -166,11 +167,11 @@ impl InFlight {
 }
 
 /// Returns whether a serial was assigned after another. 0 precedes all serials.
-fn later(serial: u32, other: u32) -> bool {
+pub(in crate::vulkan) fn later(serial: u32, other: u32) -> bool {
     other == 0 && serial != 0 || serial.wrapping_sub(other) as i32 > 0
 }
 
-pub(super) fn half(commands: vk::CommandBuffer) -> u32 {
+pub(in crate::vulkan) fn half(commands: vk::CommandBuffer) -> u32 {
     let handle = commands.as_raw();
     // On many drivers handles are addresses, whose low halves differ.
     handle as u32 ^ (handle >> 32) as u32
