@@ -327,8 +327,8 @@ class Surface:
         strict
             Whether a map that has not converged is an error. Otherwise it is a warning.
         progress
-            Called with the per cent that are done and 100, some 50 times a second and at the end. On a
-            device, nothing is known before the end.
+            Called with the per cent that are done and 100, some 50 times a second and at the end.
+            On a device, nothing is known before the end.
         out
             Array (M, N) of ``dtype`` that takes the distances.
         labels
