@@ -139,7 +139,7 @@ fn sum(passes: &[Pass]) -> [u32; 3] {
 /// Returns a list with one line for each run of equal labels.
 fn listing(passes: &[Pass]) -> String {
     let mut text = format!(
-        "{:24} {:>6} {:>10} {:>8} {:>6}\n",
+        "{:28} {:>6} {:>10} {:>8} {:>6}\n",
         "", "passes", "dispatches", "barriers", "others"
     );
     let is_run = |a: &Pass, b: &Pass| a.label == b.label && b.depth > 0;
@@ -147,10 +147,10 @@ fn listing(passes: &[Pass]) -> String {
         let label = format!("{}{}", "  ".repeat(run[0].depth), run[0].label);
         let [dispatches, barriers, others] = sum(run);
         let count = run.len();
-        writeln!(text, "{label:24} {count:>6} {dispatches:>10} {barriers:>8} {others:>6}").unwrap();
+        writeln!(text, "{label:28} {count:>6} {dispatches:>10} {barriers:>8} {others:>6}").unwrap();
     }
     let [dispatches, barriers, others] = sum(passes);
-    writeln!(text, "{:31} {dispatches:>10} {barriers:>8} {others:>6}", "in all").unwrap();
+    writeln!(text, "{:35} {dispatches:>10} {barriers:>8} {others:>6}", "in all").unwrap();
     text
 }
 
