@@ -243,14 +243,6 @@ fn impossible_paths_give_a_reason() {
     assert_eq!((records[2].vertices, way.len()), (9, 9));
     assert!(way.windows(2).all(|pair| pair[1].time < pair[0].time), "{way:?}");
 
-    // The map does not know these sources.
-    let others = [PointSource::at(7.0, 4.0)];
-    let (records, _) =
-        read(&mut scene, &paths, StartInput::Inline(&starts), SourceInput::Inline(&others));
-    assert_eq!((records[0].status(), records[0].vertex_count), (Lost, 0));
-    let (records, _) =
-        read(&mut scene, &paths, StartInput::Inline(&starts), SourceInput::Inline(&[]));
-    assert_eq!(records[0].status(), Lost);
     // No path has a start.
     let (records, _) = read(&mut scene, &paths, StartInput::Inline(&[]), inline);
     assert!(records.iter().all(|record| record.status() == Outside));
