@@ -41,11 +41,11 @@ impl Surface {
         (0..self.chart.rows).into_par_iter().all(is_even)
     }
 
-    /// Returns whether all cells are alike and so skewed that neighbours are not the nearest points: some step of the
-    /// reduced basis of Lagrange and Gauss, or the shorter sum of both steps, leads beyond the eight neighbours. The
+    /// Returns whether all cells are alike and so skewed that the nearest points are more than `most` rows or columns
+    /// away: some step of the reduced basis of Lagrange and Gauss, or the shorter sum of both steps, is that long. The
     /// triangles of these steps are the ones without an obtuse angle.
     #[doc(hidden)]
-    pub fn has_skewed_cells(&self) -> bool {
+    pub fn has_skewed_cells(&self, most: f64) -> bool {
         let [Some(east), south_east, Some(south), south_west] = self.first_edges() else {
             return false;
         };
@@ -69,8 +69,13 @@ impl Surface {
             }
             long -= times * short;
         }
-        let third = if dot(short, long) > 0.0 { long - short } else { long + short };
-        [short, long, third].iter().any(|step| step.abs().max_element() > 1.0)
+        // Where both steps are at a right angle, there is no need of a third one.
+        let along = dot(short, long);
+        let third = match along.abs() > EVEN * dot(short, short) {
+            true => long - along.signum() * short,
+            false => short,
+        };
+        [short, long, third].iter().any(|step| step.abs().max_element() > most)
             && self.has_even_cells()
     }
 
@@ -121,12 +126,13 @@ mod tests {
 
     #[test]
     fn cells_are_skewed_if_neighbours_are_not_the_nearest_points() {
-        let sheared = |by: f64| surface(|row, col| [col + by * row, row, 0.0]).has_skewed_cells();
+        let sheared =
+            |by: f64| surface(|row, col| [col + by * row, row, 0.0]).has_skewed_cells(1.0);
         assert_eq!(
             [0.0, 0.4, 1.0, 1.4, -1.6, 7.0].map(sheared),
             [false, false, false, true, true, true]
         );
-        assert!(!surface(|row, col| [9.0 * col, row, 0.0]).has_skewed_cells());
+        assert!(!surface(|row, col| [9.0 * col, row, 0.0]).has_skewed_cells(1.0));
         let metric = |ratio: f64| {
             let axis = DVec2::from_angle(0.6);
             let along = |a: f64, b: f64| a * b * (ratio * ratio - 1.0);
@@ -135,7 +141,7 @@ mod tests {
                 rc: along(axis.x, axis.y),
                 cc: 1.0 + along(axis.y, axis.y),
             };
-            Surface::from_metric(4, 5, vec![tensor; 20]).unwrap().has_skewed_cells()
+            Surface::from_metric(4, 5, vec![tensor; 20]).unwrap().has_skewed_cells(1.0)
         };
         assert_eq!([1.0, 1.5, 10.0, 100.0].map(metric), [false, false, true, true]);
         assert!(
@@ -144,7 +150,7 @@ mod tests {
                 .unwrap()
                 .with_slowness((0..81).map(f64::from).collect())
                 .unwrap()
-                .has_skewed_cells()
+                .has_skewed_cells(1.0)
         );
     }
 

@@ -197,7 +197,7 @@ fn a_capture_of_a_frame_is_as_the_guide_lists_it() {
     let mut solver =
         embed::Solver::with_tools(&instance, physical_device, &device, &passes, tools).unwrap();
     let inputs = [Points::positions(points.handle, 32)];
-    let info = SurfaceInfo::new(chart).with_points(&inputs);
+    let info = SurfaceInfo::new(chart).with_points(&inputs).with_name("sphere");
     let mut surface = solver.surface(&device, host.allocator(), &info).unwrap();
     let method = Method::new(Wavefront::Curved, Stop::within(1e-4).or_after(100));
     let plan = solver.plan(chart, method, 4).unwrap();

@@ -52,6 +52,8 @@ const LEAST_AMONG_OBTUSE: usize = 1_000_000;
 const MOST_IN_LONG_CELLS: usize = 8;
 /// Maximum number of rows and columns of these surroundings. They reach as far across long cells as along them.
 const MOST_ACROSS: usize = 64;
+/// Number of rows and columns that the points that split triangles may be away without maps from grid points being late.
+const NEAR: f64 = 2.0;
 /// Ratio of a cell's edges, or of its diagonals, above which the cell is long.
 const LONG: f64 = 1.5;
 
@@ -111,7 +113,12 @@ fn with_origins(wavefront: Wavefront, surface: &Surface, mut seeds: Vec<Seed>) -
     };
     // The front of a lone point source need not be told apart from others. But in skewed cells, points whose triangles
     // are split by points beyond the border have straight lines alone.
-    let has_lines = if is_lone { surface.has_skewed_cells() } else { surface.has_even_cells() };
+    let has_lines = if is_lone {
+        let is_inside = seeds.iter().any(|seed| seed.from.is_some());
+        surface.has_skewed_cells(if is_inside { 1.0 } else { NEAR })
+    } else {
+        surface.has_even_cells()
+    };
     if has_lines && wavefront.is_curved() {
         let further = along_sight_lines(surface, &seeds);
         let around = with_surroundings(wavefront, surface, seeds);

@@ -123,12 +123,13 @@ pub fn run(args: &Args) -> Outcome {
     .publish(args.json)
 }
 
-/// Returns the wavefronts that suit a surface. Anchored wavefronts are for floor plans only.
+/// Returns the wavefronts that suit a surface and a lone source. Anchored wavefronts are for floor plans only.
 fn suited_to(builtin: Builtin, size: usize) -> Vec<Wavefront> {
-    match builtin.surface(size, size) {
-        Ok(surface) if surface.is_floor_plan() => Wavefront::ALL.to_vec(),
-        _ => Wavefront::FOR_ANY_SURFACE.to_vec(),
+    let mut suited = Wavefront::FOR_ANY_SURFACE.to_vec();
+    if builtin.surface(size, size).is_ok_and(|surface| surface.is_floor_plan()) {
+        suited.push(Wavefront::Anchored);
     }
+    suited
 }
 
 /// The files to write. They are checked before the computation starts.
