@@ -27,7 +27,7 @@ struct Plain {
     /// The purpose of each block, and whether it is for a buffer, by its memory handle.
     blocks: Mutex<BTreeMap<u64, (String, bool)>>,
     calls: Mutex<Calls>,
-    /// What the next call of `allocate` waits for: it tells the receiver of the first, and waits for the second.
+    /// A pause of the next call of `allocate`: the call tells the first channel's receiver, and waits for the second.
     pause: Mutex<Option<(Sender<()>, Receiver<()>)>>,
 }
 

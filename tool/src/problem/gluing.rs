@@ -60,7 +60,7 @@ pub enum Glue {
     Cube,
 }
 
-/// What decides whether the last line of a grid is the first one again.
+/// The sign that the last line of a grid is the first one again.
 #[derive(Clone, Copy, Debug)]
 pub enum Last {
     Told(LastLine),

@@ -1,7 +1,7 @@
 //! Computes the fan of each point: the directions of its edges, as angles around the point.
 //!
 //! The angles of the triangles around a point, measured by their lengths, add up to a full turn less the angle defect.
-//! They are scaled to a full turn. Rays that pass the point then have one direction in all its triangles, also
+//! The angles are scaled to a full turn. Rays that pass the point then have one direction in all its triangles, also
 //! where grid lines bend.
 
 mod glued;

@@ -7,23 +7,27 @@
 //! that are already final return to the queue if its front reaches them first. A batch of points is computed in SIMD
 //! lanes (`fronts/pulled.rs`).
 
+mod compute;
 mod neighbours;
 mod parts;
+mod pass_on;
 mod queue;
+mod state;
 
 use std::sync::Arc;
 
-use self::neighbours::{Later, Lengths, Neighbours, TOGETHER, lengths_of};
+use self::neighbours::{Lengths, Neighbours, lengths_of};
 use self::parts::PartsAround;
-use self::queue::Buckets;
+use self::queue::{Buckets, width};
+use self::state::{State, StoredFronts, none, waiting};
 use super::prepared::Settings;
 use super::scans::Scans;
 use crate::Instructions;
-use crate::fronts::{BATCH, Fronts, MOST, Pulled, TriangleFronts, TriangleKind};
+use crate::fronts::{BATCH, Fronts, MOST, Pulled, TriangleKind};
 use crate::limit::Limit;
 use geosweep_surface::lanes::Loop;
-use geosweep_surface::update::{StoredFront, Triangle};
-use geosweep_surface::{Block, Convergence, EdgeLengths, Monitor, Real, Seed, SplitPart, Stop};
+use geosweep_surface::update::StoredFront;
+use geosweep_surface::{Block, Convergence, EdgeLengths, Monitor, Real, Seed, Stop};
 
 /// A solver for one kind of front; see [`crate::RotatedScan`].
 #[derive(Clone, Debug)]
@@ -47,66 +51,6 @@ pub(crate) struct BucketScanner<R: Real, K: TriangleKind<R>> {
     taken: u64,
     triangles: u64,
 }
-
-/// Fronts at all points, as bordered arrays. At a point that waits for the first time, only the arrival time along an
-/// edge is known.
-#[derive(Clone, Debug)]
-struct StoredFronts<R, C> {
-    times: Vec<R>,
-    carried: Vec<C>,
-}
-
-impl<R: Real, C: Copy> StoredFronts<R, C> {
-    #[inline(always)]
-    fn at(&self, point: usize) -> StoredFront<R, C> {
-        StoredFront { time: self.times[point], carried: self.carried[point] }
-    }
-
-    fn set(&mut self, point: usize, front: StoredFront<R, C>) {
-        (self.times[point], self.carried[point]) = (front.time, front.carried);
-    }
-}
-
-/// What is known of a point, as bits.
-#[derive(Clone, Copy, Debug, Default)]
-struct State(u8);
-
-impl State {
-    /// The point's front is final, as far as is known.
-    const FINAL: u8 = 1;
-    /// The point waits in the queue.
-    const WAITS: u8 = 2;
-    /// The point's front has been computed. It may have been final and wait again.
-    const COMPUTED: u8 = 4;
-    /// A seed is at the point.
-    const SEED: u8 = 8;
-
-    #[inline(always)]
-    fn is(self, bits: u8) -> bool {
-        self.0 & bits != 0
-    }
-
-    #[inline(always)]
-    fn is_final(self) -> bool {
-        self.is(Self::FINAL)
-    }
-
-    #[inline(always)]
-    fn set(&mut self, bits: u8) {
-        self.0 |= bits;
-    }
-
-    #[inline(always)]
-    fn clear(&mut self, bits: u8) {
-        self.0 &= !bits;
-    }
-}
-
-/// Scan number of fronts that are computed in the order of time. No scan renews them.
-const IN_ORDER: u8 = 1;
-
-/// Least change of a front after which points that depend on it are computed again, in units of the rounding of its time.
-const CHANGE: u32 = 2;
 
 /// Largest number of targets whose times are read after each bucket. More targets are read after [`SELDOM`] buckets.
 const FEW_TARGETS: usize = 16;
@@ -302,319 +246,7 @@ impl<R: Real, K: TriangleKind<R>> BucketScanner<R, K> {
         self.taken += count as u64;
         count > 0
     }
-
-    /// Computes the fronts at points.
-    #[inline(always)]
-    fn compute(
-        &mut self,
-        batch: &[usize],
-        lanes: &mut Pulled<R, K::Carried>,
-        arrivals: &mut [K::Arrival; MOST],
-    ) {
-        let mut ends = [0; BATCH];
-        lanes.count = 0;
-        for (&point, end) in batch.iter().zip(&mut ends) {
-            self.add_behind(point, lanes);
-            *end = lanes.count;
-        }
-        self.triangles += lanes.count as u64;
-        self.kind.arrivals(lanes, arrivals);
-        let mut start = 0;
-        for (&point, &end) in batch.iter().zip(&ends) {
-            let mut first: Option<K::Arrival> = None;
-            for &arrival in &arrivals[start..end] {
-                first = Some(first.map_or(arrival, |first| K::Carried::earlier(first, arrival)));
-            }
-            start = end;
-            if self.parts.is_some() {
-                first = self.through_parts(point, first);
-            }
-            self.settle(point, first);
-        }
-    }
-
-    /// Computes the front at all copies of a point.
-    #[inline(never)]
-    fn compute_copies(
-        &mut self,
-        point: usize,
-        lanes: &mut Pulled<R, K::Carried>,
-        arrivals: &mut [K::Arrival; MOST],
-    ) {
-        let mut first: Option<K::Arrival> = None;
-        self.each_copy(point, |solver, copy| {
-            solver.states[copy].clear(State::WAITS);
-            lanes.count = 0;
-            solver.add_behind(copy, lanes);
-            solver.triangles += lanes.count as u64;
-            solver.kind.arrivals(lanes, arrivals);
-            for &arrival in &arrivals[..lanes.count] {
-                first = Some(first.map_or(arrival, |first| K::Carried::earlier(first, arrival)));
-            }
-            if solver.parts.is_some() {
-                first = solver.through_parts(copy, first);
-            }
-        });
-        self.settle(point, first);
-    }
-
-    #[inline(always)]
-    fn add_behind(&self, point: usize, lanes: &mut Pulled<R, K::Carried>) {
-        let fronts = (self.fronts.times.as_slice(), self.fronts.carried.as_slice());
-        let states = (self.states.as_slice(), State::is_final);
-        self.neighbours.add_behind(&self.lengths, fronts, states, point, lanes);
-    }
-
-    /// Returns the earlier of a front at a point and the fronts through parts of its obtuse triangles.
-    #[inline(never)]
-    fn through_parts(&self, point: usize, mut first: Option<K::Arrival>) -> Option<K::Arrival> {
-        let parts = self.parts.iter().flat_map(|parts| parts.behind(point));
-        for part in parts {
-            let Some(arrival) = self.through_part(point, part) else { continue };
-            first = Some(first.map_or(arrival, |first| K::Carried::earlier(first, arrival)));
-        }
-        first
-    }
-
-    /// Returns the front that reaches a point through a part of an obtuse triangle, or `None` if no front at its other
-    /// corners is final.
-    fn through_part(&self, point: usize, part: SplitPart<R>) -> Option<K::Arrival> {
-        let is_final = part.corners.map(|corner| self.states[corner].is_final());
-        if is_final == [false, false] {
-            return None;
-        }
-        let fronts =
-            [0, 1].map(|k| if is_final[k] { self.fronts.at(part.corners[k]) } else { none() });
-        let ([a, b], [l1, l2, c]) = (fronts, part.lengths);
-        let triangle = Triangle { t1: a.time, t2: b.time, l1, l2, c };
-        let corners = [point, part.corners[0], part.corners[1]];
-        Some(self.kind.arrival_over(corners, triangle, [a.carried, b.carried], part.slowness))
-    }
-
-    /// Gives a point and its copies the first front that arrives there from earlier points.
-    #[inline(always)]
-    fn settle(&mut self, point: usize, first: Option<K::Arrival>) {
-        let before = self.fronts.at(point);
-        let state = self.states[point];
-        let own = if state.is(State::SEED) { self.front_of_seed(point) } else { none() };
-        let after = first.map_or(own, |first| K::Carried::accept(own, first, IN_ORDER, false));
-        if state.is(State::COMPUTED) {
-            if K::Carried::change(before, after) <= R::Bits::from(CHANGE) {
-                self.finish(point, before);
-                return;
-            }
-            self.call_back_after(point, before, after);
-        }
-        let time = after.time.wide();
-        if time > self.settings.limit.time() || self.queue.is_later(time) {
-            self.postpone(point, after);
-        } else {
-            self.finish(point, after);
-        }
-    }
-
-    /// Makes the front at a point and its copies final.
-    #[inline(always)]
-    fn finish(&mut self, point: usize, front: StoredFront<R, K::Carried>) {
-        if self.edges.copies().is_some() {
-            self.each_copy(point, |solver, copy| solver.finish_one(copy, front));
-        } else {
-            self.finish_one(point, front);
-        }
-    }
-
-    #[inline(always)]
-    fn finish_one(&mut self, point: usize, front: StoredFront<R, K::Carried>) {
-        self.fronts.set(point, front);
-        self.states[point].set(State::FINAL | State::COMPUTED);
-    }
-
-    /// Lets a point wait again, since its front arrives later than the bucket in work or than the limit, or no longer.
-    #[inline(never)]
-    fn postpone(&mut self, point: usize, front: StoredFront<R, K::Carried>) {
-        let waits = front.time < R::FAR;
-        self.each_copy(point, |solver, copy| {
-            solver.fronts.set(copy, front);
-            solver.states[copy].clear(State::COMPUTED);
-            solver.states[copy].set(if waits { State::WAITS } else { 0 });
-        });
-        if !waits {
-        } else if front.time.wide() > self.settings.limit.time() {
-            self.beyond.push(point as u32);
-        } else {
-            self.queue.push(point as u32, front.time.wide());
-        }
-    }
-
-    #[inline(never)]
-    fn front_of_seed(&self, point: usize) -> StoredFront<R, K::Carried> {
-        let own = self.seeds.iter().filter(|&&(seed, _)| seed as usize == point);
-        own.map(|&(_, front)| front).reduce(K::Carried::first).unwrap_or(none())
-    }
-
-    /// Passes on the front at a point, if it is final: points that are not final wait for the front along the edge.
-    /// Adds the triangles to final points that the front may reach first.
-    #[inline(always)]
-    fn pass_on(&mut self, point: usize, lanes: &mut Pulled<R, K::Carried>) {
-        if !self.states[point].is_final() {
-            return;
-        }
-        let (later, count) = self.neighbours.later(&self.lengths, &self.fronts.times, point);
-        for &Later { point: to, number, by_edge } in &later[..count] {
-            if self.states[to].is_final() {
-                let fronts = (self.fronts.times.as_slice(), self.fronts.carried.as_slice());
-                let states = (self.states.as_slice(), State::is_final);
-                self.neighbours.add_beside(&self.lengths, fronts, states, [to, number], lanes);
-            } else {
-                self.expect(to, by_edge);
-            }
-        }
-        if self.parts.is_some() {
-            self.pass_on_through_parts(point);
-        }
-    }
-
-    /// Passes on the front at all copies of a point. There may be more of them than lanes.
-    #[inline(never)]
-    fn pass_on_copies(
-        &mut self,
-        point: usize,
-        lanes: &mut Pulled<R, K::Carried>,
-        arrivals: &mut [K::Arrival; MOST],
-    ) {
-        self.each_copy(point, |solver, copy| {
-            solver.pass_on(copy, lanes);
-            solver.call_back(lanes, arrivals);
-        });
-    }
-
-    #[inline(never)]
-    fn pass_on_through_parts(&mut self, point: usize) {
-        let Some(parts) = self.parts.take() else { return };
-        let time = self.fronts.times[point];
-        for (to, part, length) in parts.beside(point) {
-            if self.fronts.times[to] <= time {
-            } else if !self.states[to].is_final() {
-                self.expect(to, time + length);
-            } else if let Some(arrival) = self.through_part(to, part) {
-                self.call_back_if_first(to, arrival);
-            }
-        }
-        self.parts = Some(parts);
-    }
-
-    /// Lets a point whose front is not final wait for a front that arrives along an edge.
-    #[inline(always)]
-    fn expect(&mut self, point: usize, time: R) {
-        let (before, state) = (self.fronts.times[point], self.states[point]);
-        if state.is(State::COMPUTED) || time >= before {
-            return;
-        }
-        if self.edges.copies().is_some() {
-            self.each_copy(point, |solver, copy| solver.expect_one(copy, time));
-        } else {
-            self.expect_one(point, time);
-        }
-        let limit = self.settings.limit.time();
-        let [from, to] = [before.wide().min(limit), time.wide().min(limit)];
-        self.states[point].set(State::WAITS);
-        if before >= R::FAR || !self.queue.share(from, to) {
-            self.queue.push(point as u32, to);
-        }
-    }
-
-    #[inline(always)]
-    fn expect_one(&mut self, point: usize, time: R) {
-        if self.fronts.times[point] >= R::FAR {
-            self.reached.push(point as u32);
-        }
-        self.fronts.times[point] = time;
-    }
-
-    /// Lets final points wait again that fronts reach first through triangles.
-    #[inline(always)]
-    fn call_back(&mut self, lanes: &mut Pulled<R, K::Carried>, arrivals: &mut [K::Arrival; MOST]) {
-        if lanes.count == 0 {
-            return;
-        }
-        self.triangles += lanes.count as u64;
-        self.kind.arrivals(lanes, arrivals);
-        for (k, &arrival) in arrivals[..lanes.count].iter().enumerate() {
-            self.call_back_if_first(lanes.corners[0][k] as usize, arrival);
-        }
-        lanes.count = 0;
-    }
-
-    #[inline(always)]
-    fn call_back_if_first(&mut self, point: usize, arrival: K::Arrival) {
-        let time = self.fronts.times[point];
-        let together = time + time * R::of(TOGETHER) * R::epsilon();
-        let arrival = K::Carried::time(arrival);
-        if self.states[point].is_final() && arrival <= together {
-            self.wait(point, if arrival < time { arrival } else { time });
-        }
-    }
-
-    /// Lets all final points wait again that may depend on the front at a point, which changes.
-    #[inline(never)]
-    fn call_back_after(
-        &mut self,
-        point: usize,
-        before: StoredFront<R, K::Carried>,
-        after: StoredFront<R, K::Carried>,
-    ) {
-        let delay = after.time - before.time;
-        let mut dependent = Vec::new();
-        self.each_copy(point, |solver, copy| {
-            let times = &solver.fronts.times;
-            let (later, count) = solver.neighbours.later(&solver.lengths, times, copy);
-            dependent.extend(later[..count].iter().map(|later| (later.point, later.by_edge)));
-            let parts = solver.parts.iter().flat_map(|parts| parts.beside(copy));
-            dependent.extend(parts.map(|(to, _, length)| (to, before.time + length)));
-        });
-        for (to, by_edge) in dependent {
-            let time = self.fronts.times[to];
-            if self.states[to].is_final() && time > before.time {
-                let arrival = by_edge + delay;
-                self.wait(to, if arrival < time { arrival } else { time });
-            }
-        }
-    }
 }
-
-/// Returns the front at a point that none has reached.
-fn none<R: Real, C: Default>() -> StoredFront<R, C> {
-    StoredFront { time: R::FAR, carried: C::default() }
-}
-
-/// Returns the time of a point in the queue, or `None` if it does not wait.
-fn waiting<R: Real>(times: &[R], states: &[State], limit: f64, point: u32) -> Option<f64> {
-    let point = point as usize;
-    states[point].is(State::WAITS).then(|| times[point].wide().min(limit))
-}
-
-/// Returns the time that a bucket spans: half the harmonic mean of the costs of edges along rows and columns. Wider
-/// buckets bring points out of order, narrower ones cost more than they save.
-fn width<R: Real>(edges: &EdgeLengths<R>) -> f64 {
-    let [east, north, ..] = edges.planes();
-    let (mut sum, mut total, mut count) = (0.0, 0.0, 0u64);
-    for length in east.iter().chain(north).map(|length| length.wide()) {
-        if length < geosweep_surface::FAR {
-            sum += length.recip();
-            total += length;
-            count += 1;
-        }
-    }
-    if count == 0 {
-        return 1.0;
-    }
-    let (harmonic, mean) = (count as f64 / sum, total / count as f64);
-    (0.5 * harmonic).max(mean * LEAST_WIDTH)
-}
-
-/// Least width of a bucket, as a part of the mean cost of edges. Where travel is free on a part of the surface, the
-/// harmonic mean is close to zero.
-const LEAST_WIDTH: f64 = 1e-3;
 
 /// The bucket in work, whose points' fronts are computed.
 struct Bucket<'a, R: Real, K: TriangleKind<R>> {

@@ -1,5 +1,7 @@
 //! A queue of points in buckets of arrival time.
 
+use geosweep_surface::{EdgeLengths, FAR, Real};
+
 /// Number of buckets in the ring, a power of two.
 const RING: usize = 1 << 11;
 
@@ -159,6 +161,29 @@ impl Buckets {
         true
     }
 }
+
+/// Returns the time that a bucket spans: half the harmonic mean of the costs of edges along rows and columns. Wider
+/// buckets bring points out of order, narrower ones cost more than they save.
+pub(super) fn width<R: Real>(edges: &EdgeLengths<R>) -> f64 {
+    let [east, north, ..] = edges.planes();
+    let (mut sum, mut total, mut count) = (0.0, 0.0, 0u64);
+    for length in east.iter().chain(north).map(|length| length.wide()) {
+        if length < FAR {
+            sum += length.recip();
+            total += length;
+            count += 1;
+        }
+    }
+    if count == 0 {
+        return 1.0;
+    }
+    let (harmonic, mean) = (count as f64 / sum, total / count as f64);
+    (0.5 * harmonic).max(mean * LEAST_WIDTH)
+}
+
+/// Least width of a bucket, as a part of the mean cost of edges. Where travel is free on a part of the surface, the
+/// harmonic mean is close to zero.
+const LEAST_WIDTH: f64 = 1e-3;
 
 #[cfg(test)]
 mod tests {
