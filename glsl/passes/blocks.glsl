@@ -21,6 +21,7 @@
 // Twin: crates/cpu/src/twins/blocks.rs.
 
 #include "shared/progress.glsl"
+#include "update/reach.glsl"
 
 // Largest number of lines of texels in a block.
 layout(constant_id = 4) const int LINES = 1;
@@ -75,7 +76,7 @@ int block_past(int middle, int number, bool is_forth) {
 // texels behind a point. `by` is the scan that has changed the line, or NO_SCAN. With PAIRS, `middle` is the first
 // block of the last half.
 void make_seen_due(int forth, int block, int in_block, int by, int middle, int pitch) {
-    const int REACH = (SPLIT_REACH + 1) / 2;
+    const int REACH = (max(SPLITS, SPLIT_REACH) + 1) / 2;
     // There is one more block on each side of the grid.
     int after = LINES - 1 - in_block;
     for (int next = block + 1; after < REACH && next < pitch - 1; next++) {

@@ -19,9 +19,6 @@ layout(push_constant) uniform Push {
 #include "passes/tiles.glsl"
 #include "passes/blocks.glsl"
 
-// Whether obtuse triangles are split; see splits.glsl.
-layout(constant_id = 6) const int SPLITS = 1;
-
 layout(local_size_x = EXCHANGE_WORKGROUP) in;
 
 // The image bound as fronts_0 was written last. After a round of tiles some tiles have their fronts in fronts_1.
@@ -68,7 +65,7 @@ void note_changes(ivec2 texel, vec4 time_before, vec4 held_before, vec4 time, ve
         if (change <= tolerance) continue;
         if (next_round > 0) atomicMax(unsettled[next_round - 1], change);
         // The tiles that see the point are on the list of the next round.
-        const int REACH = SPLITS != 0 ? SPLIT_REACH : 1;
+        const int REACH = max(SPLITS, 1);
         ivec2 point = first_point(texel) + to_corner(j);
         uint urgency = urgency_of(min(time_before[j], time[j]));
         enlist_around(texel_of(point - REACH), texel_of(point + REACH), urgency, uint(next_round), tiles_of(texels));

@@ -67,7 +67,7 @@ bool lies_apart() {
         changed_along = ivec2(atomicOr(changed_first[AXIS], 0), atomicOr(changed_last[AXIS], 0));
     }
     barrier();
-    const int REACH = LINES * (SPLITS != 0 ? SPLIT_REACH : 1);
+    const int REACH = LINES * max(SPLITS, 1);
     int own = without_border(first_of_workgroup() + HALO);
     int written = int(gl_WorkGroupSize.x) - 2 * HALO;
     return own > changed_along.y + REACH || own + written - 1 < changed_along.x - REACH;

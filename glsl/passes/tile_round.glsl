@@ -192,7 +192,7 @@ void merge(ivec2 in_tile, inout vec4 time, inout vec4 held) {
 
 // Returns which tiles around this one may read the point `at` of this tile, as bits of 3 x 3 tiles.
 uint sides_of(ivec2 at) {
-    const int REACH = SPLITS != 0 ? SPLIT_REACH : 1;
+    const int REACH = max(SPLITS, 1);
     uint bits = 0u;
     bool west = at.x < REACH;
     bool east = at.x >= TILE - REACH;

@@ -103,6 +103,11 @@
 #define SPLIT_STEPS 16
 // Largest distance of such a point from x0, in rows and columns.
 #define SPLIT_REACH 6
+// Largest distance on surfaces on which some of these points lie farther away. It is at most the side of the smallest
+// tile. A constant metric whose axes have a ratio of 30 needs 16 rows or columns.
+#define FARTHEST_SPLIT 16
+// Number of points examined per row or column of the distance on these surfaces.
+#define STEPS_PER_LINE 4
 // Relative margin by which two unfolded points must differ in squared distance or in direction. Anything below is
 // rounding.
 #define SPLIT_MARGIN 1e-3

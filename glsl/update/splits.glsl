@@ -9,13 +9,10 @@
 //     float slowness_at(ivec2 point)      slowness there, if SLOWED is set
 
 #include "update/wavefront.glsl"
+#include "update/reach.glsl"
 #include "shared/edge_image.glsl"
 
 vec2 front_at(ivec2 point);
-
-// Whether the surface has obtuse triangles. This is a specialization constant: CPU drivers execute both sides of a
-// branch, and a variable would double the time of a scan.
-layout(constant_id = 6) const int SPLITS = 1;
 
 // A grid point unfolded into the plane of x0's triangle.
 struct Unfolded {
@@ -78,7 +75,7 @@ bool find_beyond(ivec2 x0, Unfolded u, Unfolded w, int turn, vec2 right, vec2 le
     for (int i = 0; i < (is_diagonal ? 1 : 2); i++) {
         ivec2 step = i == 1 ? along + away : is_diagonal ? (along + away) / 2 : away;
         ivec2 from_x0 = u.step + step;
-        if (max(abs(from_x0.x), abs(from_x0.y)) > SPLIT_REACH) continue;
+        if (max(abs(from_x0.x), abs(from_x0.y)) > SPLITS) continue;
         vec2 place;
         float to_u = length_on_surface(x0 + u.step, step);
         float to_w = length_on_surface(x0 + w.step, step - along);
@@ -133,7 +130,8 @@ Fronts through_parts(ivec2 x0, ivec2 a, ivec2 b) {
     Unfolded w = left;
     int turn = base.x * a.y - base.y * a.x > 0 ? 1 : -1;
     Unfolded apex = right;
-    for (int i = 0; i < SPLIT_STEPS; i++) {
+    const int STEPS = SPLITS > SPLIT_REACH ? STEPS_PER_LINE * SPLITS : SPLIT_STEPS;
+    for (int i = 0; i < STEPS; i++) {
         if (!find_beyond(x0, u, w, turn, right.place, left.place, apex)) break;
         apex.slowness = known_slowness_at(x0 + apex.step);
         least = min(least, apex.slowness);

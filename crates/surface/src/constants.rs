@@ -102,6 +102,11 @@ pub const UPRIGHT: f64 = 1.1;
 pub const SPLIT_STEPS: u32 = 16;
 /// Largest distance of such a point from x0, in rows and columns.
 pub const SPLIT_REACH: u32 = 6;
+/// Largest distance on surfaces on which some of these points lie farther away. It is at most the side of the smallest
+/// tile. A constant metric whose axes have a ratio of 30 needs 16 rows or columns.
+pub const FARTHEST_SPLIT: u32 = 16;
+/// Number of points examined per row or column of the distance on these surfaces.
+pub const STEPS_PER_LINE: u32 = 4;
 /// Relative margin by which two unfolded points must differ in squared distance or in direction. Anything below is
 /// rounding.
 pub const SPLIT_MARGIN: f64 = 1e-3;

@@ -1,15 +1,11 @@
 //! Detects surfaces whose cells are all alike.
 
-use glam::DVec2;
 use rayon::prelude::*;
 
 use super::{Direction, Surface};
 
 /// Relative tolerance for the lengths of edges in one direction.
 const EVEN: f64 = 5e-6;
-
-/// Maximum number of steps by which a basis is reduced. Each at least halves the longer side, up to the last one.
-const MOST_STEPS: usize = 64;
 
 /// Directions of the edges around a cell.
 const WAYS: [Direction; 4] =
@@ -39,44 +35,6 @@ impl Surface {
             })
         };
         (0..self.chart.rows).into_par_iter().all(is_even)
-    }
-
-    /// Returns whether all cells are alike and so skewed that the nearest points are more than `most` rows or columns
-    /// away: some step of the reduced basis of Lagrange and Gauss, or the shorter sum of both steps, is that long. The
-    /// triangles of these steps are the ones without an obtuse angle.
-    #[doc(hidden)]
-    pub fn has_skewed_cells(&self, most: f64) -> bool {
-        let [Some(east), south_east, Some(south), south_west] = self.first_edges() else {
-            return false;
-        };
-        let sides = east * east + south * south;
-        let across = match (south_east, south_west) {
-            (Some(diagonal), _) => 0.5 * (diagonal * diagonal - sides),
-            (None, Some(diagonal)) => 0.5 * (sides - diagonal * diagonal),
-            (None, None) => return false,
-        };
-        let dot = |a: DVec2, b: DVec2| {
-            a.x * b.x * east * east + a.y * b.y * south * south + (a.x * b.y + a.y * b.x) * across
-        };
-        let (mut short, mut long) = (DVec2::X, DVec2::Y);
-        for _ in 0..MOST_STEPS {
-            if dot(long, long) < dot(short, short) {
-                (short, long) = (long, short);
-            }
-            let times = (dot(short, long) / dot(short, short)).round();
-            if times == 0.0 || !times.is_finite() {
-                break;
-            }
-            long -= times * short;
-        }
-        // Where both steps are at a right angle, there is no need of a third one.
-        let along = dot(short, long);
-        let third = match along.abs() > EVEN * dot(short, short) {
-            true => long - along.signum() * short,
-            false => short,
-        };
-        [short, long, third].iter().any(|step| step.abs().max_element() > most)
-            && self.has_even_cells()
     }
 
     /// Returns the lengths on the surface of the first edges in each of [`WAYS`].
@@ -122,36 +80,6 @@ mod tests {
         assert!(hair.clone().with_slowness(vec![2.0; 35]).unwrap().has_even_cells());
         let slowness = (0..35).map(|index| 1.0 + f64::from(index)).collect();
         assert!(!hair.with_slowness(slowness).unwrap().has_even_cells());
-    }
-
-    #[test]
-    fn cells_are_skewed_if_neighbours_are_not_the_nearest_points() {
-        let sheared =
-            |by: f64| surface(|row, col| [col + by * row, row, 0.0]).has_skewed_cells(1.0);
-        assert_eq!(
-            [0.0, 0.4, 1.0, 1.4, -1.6, 7.0].map(sheared),
-            [false, false, false, true, true, true]
-        );
-        assert!(!surface(|row, col| [9.0 * col, row, 0.0]).has_skewed_cells(1.0));
-        let metric = |ratio: f64| {
-            let axis = DVec2::from_angle(0.6);
-            let along = |a: f64, b: f64| a * b * (ratio * ratio - 1.0);
-            let tensor = MetricTensor {
-                rr: 1.0 + along(axis.x, axis.x),
-                rc: along(axis.x, axis.y),
-                cc: 1.0 + along(axis.y, axis.y),
-            };
-            Surface::from_metric(4, 5, vec![tensor; 20]).unwrap().has_skewed_cells(1.0)
-        };
-        assert_eq!([1.0, 1.5, 10.0, 100.0].map(metric), [false, false, true, true]);
-        assert!(
-            !Builtin::ShearedPlane { degrees: 60.0 }
-                .surface(9, 9)
-                .unwrap()
-                .with_slowness((0..81).map(f64::from).collect())
-                .unwrap()
-                .has_skewed_cells(1.0)
-        );
     }
 
     #[test]

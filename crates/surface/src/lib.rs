@@ -42,6 +42,7 @@ mod resolution;
 mod seams;
 #[doc(hidden)]
 pub mod shown;
+mod skewed_cells;
 mod slowness;
 mod sources;
 mod stop;
@@ -84,7 +85,7 @@ pub use map::{DistanceMap, Report, UsedEngine};
 pub use monitor::{Cancelled, Monitor};
 pub use name::UnknownName;
 #[doc(hidden)]
-pub use obtuse::{SplitPart, is_obtuse};
+pub use obtuse::{PartsAround, SplitPart, is_obtuse};
 pub use real::{FAR, LONGEST_EDGE, Real, SHORTEST_EDGE};
 #[doc(hidden)]
 pub use real::{max, min, relative_change};

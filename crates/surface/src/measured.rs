@@ -15,6 +15,7 @@ use super::measure::RowBends;
 use super::obtuse::cells::{MarkedCells, RowAbove};
 use super::obtuse::lists::ObtuseTriangles;
 use super::obtuse::parts::SplitParts;
+use super::obtuse::reach::of_updates;
 use super::points::Row;
 use super::real::{LONGEST_EDGE, Real, SHORTEST_EDGE};
 use super::{Surface, SurfaceError};
@@ -138,14 +139,15 @@ impl Surface {
 
     /// Measures the edges stored at the points of some rows in single precision, in parallel. The four
     /// lengths of a point are written side by side, in the layout of the device's texels. Returns whether any
-    /// triangle with one of these edges may be obtuse at a point that is updated from it.
+    /// triangle with one of these edges may be obtuse at a point that is updated from it, and then the distance from
+    /// which updates read points ([`EdgeLengths::reach`]).
     #[doc(hidden)]
     pub fn write_edges(
         &self,
         rows: Range<usize>,
         origin: DVec3,
         texels: &mut [[f32; 4]],
-    ) -> Result<bool, SurfaceError> {
+    ) -> Result<Option<usize>, SurfaceError> {
         let cols = self.cols();
         // The bands are so small that all threads have work, although each band also reads the rows around
         // it.
@@ -164,10 +166,10 @@ impl Surface {
                     *texel = [east[col], north[col], north_east[col], north_west[col]];
                 }
             })?;
-            Ok(has_obtuse)
+            Ok(has_obtuse.then(|| of_updates(row_above.reach)))
         };
         let bands = texels.par_chunks_mut(band_rows * cols).enumerate().map(band_of);
-        bands.try_reduce(|| false, |a, b| Ok(a | b))
+        bands.try_reduce(|| None, |a, b| Ok(a.max(b)))
     }
 
     /// Measures the edges stored at the points of some rows, and passes them to `store` row by row. The

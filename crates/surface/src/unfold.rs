@@ -13,13 +13,13 @@ use super::chart::{Direction, EdgeSlot, Offset, STORED};
 use super::edges::EdgeLengths;
 use super::obtuse::is_obtuse;
 use super::real::{Real, max, min};
-use crate::constants::{EVEN_SLOWNESS, SPLIT_MARGIN, SPLIT_REACH, SPLIT_STEPS};
+use crate::constants::{EVEN_SLOWNESS, SPLIT_MARGIN, SPLIT_REACH, SPLIT_STEPS, STEPS_PER_LINE};
 
 impl<R: Real> EdgeLengths<R> {
     /// Returns the length on the surface of the edge from a point of the bordered array to the neighbour at a
     /// step of rows and columns.
     #[inline(always)]
-    fn along(&self, point: usize, (down, right): Step) -> R {
+    pub(super) fn along(&self, point: usize, (down, right): Step) -> R {
         if down.unsigned_abs().max(right.unsigned_abs()) > 1 {
             return R::FAR;
         }
@@ -95,8 +95,11 @@ impl<R: Real> EdgeLengths<R> {
         let mut edge = wedge;
         // The sense of the quarter turn that turns an edge to point away from x0.
         let turn = if base.1 * a.step().0 - base.0 * a.step().1 > 0 { 1 } else { -1 };
-        for _ in 0..SPLIT_STEPS {
-            let Some(apex) = self.beyond(edge, turn, wedge, point_at) else { return };
+        let reach = self.reach() as isize;
+        let is_far = reach > SPLIT_REACH as isize;
+        let steps = if is_far { STEPS_PER_LINE as isize * reach } else { SPLIT_STEPS as isize };
+        for _ in 0..steps {
+            let Some(apex) = self.beyond(edge, turn, wedge, reach, point_at) else { return };
             let of_apex = slowness_at(point_at(apex.step));
             range = [min(range[0], of_apex), max(range[1], of_apex)];
             if !apex.follows(&wedge[0]) {
@@ -135,6 +138,7 @@ impl<R: Real> EdgeLengths<R> {
         [u, w]: [Unfolded<R>; 2],
         turn: isize,
         [right, left]: [Unfolded<R>; 2],
+        reach: isize,
         point_at: impl Fn(Step) -> usize,
     ) -> Option<Unfolded<R>> {
         let along = (w.step.0 - u.step.0, w.step.1 - u.step.1);
@@ -150,7 +154,7 @@ impl<R: Real> EdgeLengths<R> {
         let candidate = |step: Step| {
             let from_w = (step.0 - along.0, step.1 - along.1);
             let from_x0 = (u.step.0 + step.0, u.step.1 + step.1);
-            if from_x0.0.abs().max(from_x0.1.abs()) > SPLIT_REACH as isize {
+            if from_x0.0.abs().max(from_x0.1.abs()) > reach {
                 return None;
             }
             let sides = [self.along(point_at(u.step), step), self.along(point_at(w.step), from_w)];
@@ -191,7 +195,7 @@ const STORED_AT: [Option<(usize, bool)>; 9] = {
 };
 
 /// A step in rows and columns.
-type Step = (isize, isize);
+pub(super) type Step = (isize, isize);
 
 /// A grid point unfolded into the plane of x0's triangle.
 #[derive(Clone, Copy, Debug)]

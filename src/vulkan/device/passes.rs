@@ -6,6 +6,7 @@ use bytemuck::Pod;
 
 use super::shaders;
 use super::shaders::{Constant, Shader};
+use crate::surface::constants::{FARTHEST_SPLIT, SPLIT_REACH};
 use crate::update::Wavefront;
 use crate::vulkan::schedules::plan::Scan;
 use crate::vulkan::schedules::plan::Scan::{Down, Left, Right, Up};
@@ -242,8 +243,7 @@ pub(crate) struct Specialization {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Variant {
     pub(crate) wavefront: Wavefront,
-    /// Whether obtuse triangles are split. This is false only for surfaces that are known to have none.
-    pub(crate) splits: bool,
+    pub(crate) splits: Splits,
     /// Whether the slowness of the surface is not the same everywhere.
     pub(crate) slowed: bool,
     /// Whether fronts may carry the numbers of their origins.
@@ -254,21 +254,56 @@ pub(crate) struct Variant {
     pub(crate) glued: bool,
 }
 
+/// How far away the points lie that split obtuse triangles.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Splits {
+    /// There are no obtuse triangles. This is said only of surfaces that are known to have none.
+    #[default]
+    None,
+    /// Up to [`SPLIT_REACH`] rows and columns away.
+    Near,
+    /// Up to [`FARTHEST_SPLIT`] rows and columns away.
+    Far,
+}
+
+impl Splits {
+    const ALL: [Self; 3] = [Self::None, Self::Near, Self::Far];
+
+    /// Returns the kind for the distance of [`geosweep_surface::EdgeLengths::reach`].
+    pub(crate) fn within(reach: usize) -> Self {
+        match reach {
+            0..=1 => Self::None,
+            _ if reach <= SPLIT_REACH as usize => Self::Near,
+            _ => Self::Far,
+        }
+    }
+
+    /// Returns whether there are obtuse triangles.
+    pub(crate) fn any(self) -> bool {
+        self != Self::None
+    }
+
+    /// Returns the largest distance in rows and columns, or 0 if no triangle is split.
+    fn reach(self) -> i32 {
+        [0, SPLIT_REACH as i32, FARTHEST_SPLIT as i32][self as usize]
+    }
+}
+
 impl From<Wavefront> for Variant {
     fn from(wavefront: Wavefront) -> Self {
         let [slowed, named, small_tiles, glued] = [false; 4];
-        Self { wavefront, splits: true, slowed, named, small_tiles, glued }
+        Self { wavefront, splits: Splits::Near, slowed, named, small_tiles, glued }
     }
 }
 
 impl Variant {
-    pub(crate) const COUNT: usize = 32 * Wavefront::ALL.len();
+    pub(crate) const COUNT: usize = 16 * Splits::ALL.len() * Wavefront::ALL.len();
 
     /// Returns all variants, in the order of their indices among a pass's pipelines.
     pub(crate) fn all() -> impl Iterator<Item = Self> {
-        (0..32).flat_map(|bits| {
-            let [splits, slowed, named, small_tiles, glued] =
-                [0, 1, 2, 3, 4].map(|bit| bits >> bit & 1 != 0);
+        let bits = (0..16).flat_map(|bits| Splits::ALL.map(|splits| (bits, splits)));
+        bits.flat_map(|(bits, splits)| {
+            let [slowed, named, small_tiles, glued] = [0, 1, 2, 3].map(|bit| bits >> bit & 1 != 0);
             let of = |wavefront| Self { wavefront, splits, slowed, named, small_tiles, glued };
             Wavefront::ALL.map(of)
         })
@@ -299,15 +334,16 @@ pub(crate) struct KnownSize {
 impl Row {
     /// Returns the index of the pipeline for a variant among all pipelines that the pass may have.
     pub(crate) fn place_of(&self, variant: Variant) -> usize {
-        let splits = self.shader.depends_on(Constant::Splits) && variant.splits;
+        let is_split = self.shader.depends_on(Constant::Splits);
+        let splits = if is_split { variant.splits as usize } else { 0 };
         let wavefront = if self.depends_on_wavefront { variant.wavefront as usize } else { 0 };
         let slowed = self.shader.depends_on(Constant::Slowed) && variant.slowed;
         let named = self.shader.depends_on(Constant::Named) && variant.named;
         let small_tiles = self.has_small_tiles(variant);
         let glued = self.shader.depends_on(Constant::Seams) && variant.glued;
-        let bits = [glued, small_tiles, named, slowed, splits].map(usize::from);
+        let bits = [glued, small_tiles, named, slowed].map(usize::from);
         let number = bits.into_iter().fold(0, |number, bit| 2 * number + bit);
-        number * Wavefront::ALL.len() + wavefront
+        (number * Splits::ALL.len() + splits) * Wavefront::ALL.len() + wavefront
     }
 
     fn has_small_tiles(&self, variant: Variant) -> bool {
@@ -330,7 +366,7 @@ impl Row {
             Constant::AheadX => ahead.0,
             Constant::AheadY => ahead.1,
             Constant::Wavefront => wavefront as i32,
-            Constant::Splits => splits.into(),
+            Constant::Splits => splits.reach(),
             Constant::Slowed => slowed.into(),
             Constant::Named => named.into(),
             Constant::Seams => glued.into(),

@@ -251,7 +251,7 @@ impl HeadlessSolver {
         };
         self.make_passes(&surface.images, schedule, variant)?;
         let variant = (variant, has_targets);
-        let causal = surface.origins.are_causal() || surface.splits;
+        let causal = surface.origins.are_causal() || surface.splits.any();
         let SurfaceOnDevice { images, first, further, goes_on, .. } = surface;
         let (texels, portions) = (images.texels, self.tuning().portions(wavefront, images.texels));
 

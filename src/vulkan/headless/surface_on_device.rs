@@ -7,7 +7,7 @@ use crate::constants::SOURCES_INSIDE;
 use crate::surface::{Chart, Origins, Seed, Surface};
 use crate::update::{Setting, Wavefront};
 use crate::vulkan::copies::CopyList;
-use crate::vulkan::device::passes::Variant;
+use crate::vulkan::device::passes::{Splits, Variant};
 use crate::vulkan::device::pipelines::Pipelines;
 use crate::vulkan::grid_images::{GridImages, Purpose};
 use crate::vulkan::schedules::plan::Step;
@@ -21,8 +21,8 @@ pub struct SurfaceOnDevice {
     pub(in crate::vulkan) images: GridImages,
     /// Anchors, if the surface is a floor plan.
     pub(in crate::vulkan) anchors: Option<Anchors>,
-    /// Whether the surface has obtuse triangles, according to its edges.
-    pub(in crate::vulkan) splits: bool,
+    /// The splits of the surface's obtuse triangles, according to its edges.
+    pub(in crate::vulkan) splits: Splits,
     /// Whether the slowness of the surface is not the same everywhere.
     pub(in crate::vulkan) slowed: bool,
     /// Whether the fronts of the last map have anchors.
@@ -68,7 +68,7 @@ impl SurfaceOnDevice {
         Ok(Self {
             images,
             anchors,
-            splits: false,
+            splits: Splits::None,
             slowed,
             is_anchored: false,
             origins: Origins::none(slowed),

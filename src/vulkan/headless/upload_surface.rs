@@ -6,7 +6,9 @@ use rayon::prelude::*;
 
 use super::context::{Flight, Unwatched};
 use crate::surface::{Chart, EdgeLengths, Surface};
+
 use crate::vulkan::device::bands::POINT_BYTES;
+use crate::vulkan::device::passes::Splits;
 use crate::vulkan::grid_images::GridImages;
 use crate::vulkan::{HeadlessSolver, SurfaceOnDevice, VulkanError};
 
@@ -42,7 +44,11 @@ impl HeadlessSolver {
             let texels = bytemuck::cast_slice_mut(bytes);
             match across_seams {
                 Some(edges) => edges.write_texels(rows.clone(), texels),
-                None => on_device.splits |= surface.write_edges(rows.clone(), origin, texels)?,
+                None => {
+                    let reach = surface.write_edges(rows.clone(), origin, texels)?;
+                    let splits = reach.map_or(Splits::None, Splits::within);
+                    on_device.splits = on_device.splits.max(splits);
+                }
             }
             let flight = &mut flights[half];
             self.start(&mut Unwatched, flight, images, |r| r.upload_edges(rows, half))?;
@@ -50,7 +56,7 @@ impl HeadlessSolver {
         flights.iter_mut().try_for_each(Flight::wait)?;
         let rule = surface.edge_rule();
         if let Some(known) = &known {
-            on_device.splits = known.has_obtuse_triangles();
+            on_device.splits = Splits::within(known.reach());
         }
         if let Some(slowness) = known.as_ref().and_then(EdgeLengths::slowness) {
             self.upload_ground(images, slowness, true)?;

@@ -36,7 +36,7 @@ impl HeadlessSolver {
         let (chart, texels) = (grid.chart, grid.texels);
         let wavefront = surface.suited(wavefront, false);
         // Updates in shared memory read nothing but a point's neighbours and the lengths between them.
-        let schedule = match surface.slowed || surface.splits || grid.copies.is_some() {
+        let schedule = match surface.slowed || surface.splits.any() || grid.copies.is_some() {
             true => Some(PairwiseSchedule::Images),
             false => schedule,
         };

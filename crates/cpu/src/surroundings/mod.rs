@@ -15,8 +15,8 @@
 
 mod around;
 mod clusters;
-mod sheared;
 mod sight_lines;
+mod skewed;
 
 use std::collections::BTreeMap;
 
@@ -27,8 +27,8 @@ use around::Surroundings;
 use clusters::around_clusters;
 use geosweep_surface::update::{Setting, Wavefront};
 use geosweep_surface::{Direction, EdgeLengths, Origin, Real, Seed, Surface, with_diagonals};
-use sheared::around_sheared_cells;
 use sight_lines::along_sight_lines;
+use skewed::around_skewed_cells;
 
 /// Maximum number of rows and columns around a source's cell in its surroundings. With 8, maps from inside
 /// cells take as many iterations as from grid points, or one more. With 4 they take one or two more.
@@ -53,7 +53,7 @@ const MOST_IN_LONG_CELLS: usize = 8;
 /// Maximum number of rows and columns of these surroundings. They reach as far across long cells as along them.
 const MOST_ACROSS: usize = 64;
 /// Number of rows and columns that the points that split triangles may be away without maps from grid points being late.
-const NEAR: f64 = 2.0;
+const NEAR: usize = 2;
 /// Ratio of a cell's edges, or of its diagonals, above which the cell is long.
 const LONG: f64 = 1.5;
 
@@ -76,10 +76,10 @@ const LONG: f64 = 1.5;
 pub fn seeds_for(wavefront: Wavefront, surface: &Surface, seeds: Vec<Seed>) -> Vec<Seed> {
     match wavefront.or_curved(Setting::of_engine(surface.is_floor_plan())) {
         Wavefront::Planar => seeds,
-        Wavefront::Rays => around_sheared_cells(surface, seeds),
+        Wavefront::Rays => around_skewed_cells(surface, seeds, true),
         Wavefront::Anchored => with_diagonals(surface, seeds),
         wavefront @ (Wavefront::Circular | Wavefront::Curved) => {
-            with_origins(wavefront, surface, seeds)
+            with_origins(wavefront, surface, around_skewed_cells(surface, seeds, false))
         }
     }
 }
@@ -113,12 +113,12 @@ fn with_origins(wavefront: Wavefront, surface: &Surface, mut seeds: Vec<Seed>) -
     };
     // The front of a lone point source need not be told apart from others. But in skewed cells, points whose triangles
     // are split by points beyond the border have straight lines alone.
-    let has_lines = if is_lone {
-        let is_inside = seeds.iter().any(|seed| seed.from.is_some());
-        surface.has_skewed_cells(if is_inside { 1.0 } else { NEAR })
-    } else {
-        surface.has_even_cells()
+    let is_skewed = |seed: &Seed| {
+        let place = seed.from.unwrap_or(seed.place());
+        surface.skew_around(place) > if seed.from.is_some() { 1 } else { NEAR }
     };
+    let needs_lines = !is_lone || seeds.first().is_some_and(is_skewed);
+    let has_lines = needs_lines && surface.has_even_cells();
     if has_lines && wavefront.is_curved() {
         let further = along_sight_lines(surface, &seeds);
         let around = with_surroundings(wavefront, surface, seeds);
@@ -173,7 +173,11 @@ fn among_obtuse_triangles(
     let origin = |seed: &Seed| seed.from.unwrap_or(seed.place());
     let source = origin(seeds.first()?);
     let is_lone = seeds.iter().all(|seed| origin(seed) == source);
-    if !is_lone || surface.chart().points() < LEAST_AMONG_OBTUSE {
+    if !is_lone {
+        return None;
+    }
+    let is_large = surface.chart().points() >= LEAST_AMONG_OBTUSE;
+    if !is_large && surface.skew_around(source) == 1 {
         return None;
     }
     let surroundings = Surroundings::new(surface, source, [REACH_AMONG_OBTUSE; 2]);
@@ -191,14 +195,18 @@ fn reach(surface: &Surface, sources: usize) -> Option<usize> {
     (reach >= LEAST_REACH).then_some(reach)
 }
 
-/// Returns the fronts in the surroundings of a few point sources, as seeds, if any of the sources lies in long cells.
+/// Returns the fronts in the surroundings of a few point sources, as seeds, if any of the sources lies in long or skewed
+/// cells.
 fn few_in_long_cells(wavefront: Wavefront, surface: &Surface, seeds: &[Seed]) -> Option<Vec<Seed>> {
     let by_point = by_point(seeds)?;
     if !(2..=MOST_IN_LONG_CELLS).contains(&by_point.len()) {
         return None;
     }
-    let reaches = by_point.iter().map(|(at, _)| reach_in_long_cells(surface, *at));
-    let reaches: Vec<_> = reaches.collect();
+    let reach = |at: DVec2| {
+        let in_skewed_cells = || (surface.skew_around(at) > 1).then_some([REACH_AMONG_OBTUSE; 2]);
+        reach_in_long_cells(surface, at).or_else(in_skewed_cells)
+    };
+    let reaches: Vec<_> = by_point.iter().map(|(at, _)| reach(*at)).collect();
     reaches.iter().any(Option::is_some).then(|| {
         let around =
             by_point.into_par_iter().zip(reaches).flat_map_iter(|((source, own), reach)| {

@@ -66,7 +66,7 @@ fn nearest(origin: &Origin, at: DVec2) -> (DVec2, f64) {
 }
 
 /// Returns whether all grid points around the straight line between two points exist.
-fn has_no_hole(surface: &Surface, (row, col): (usize, usize), to: DVec2) -> bool {
+pub(super) fn has_no_hole(surface: &Surface, (row, col): (usize, usize), to: DVec2) -> bool {
     let span = |at: usize, to: f64| -> RangeInclusive<usize> {
         at.min(to.floor() as usize)..=at.max(to.ceil() as usize)
     };

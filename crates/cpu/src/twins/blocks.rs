@@ -62,7 +62,7 @@ fn solve<R: Real, K: PointKind<R>>(
     let chart = fronts.edges.chart();
     let behind = behind(chart);
     let mut progress = Progress::new(stop);
-    let mut due = Due::new(chart, lines);
+    let mut due = Due::new(chart, lines, fronts.edges.reach());
     for seed in seeds {
         due.changed((seed.row, seed.col), None);
     }
@@ -116,6 +116,8 @@ fn solve<R: Real, K: PointKind<R>>(
 struct Due {
     /// Number of lines of texels in a block.
     lines: usize,
+    /// Number of lines of texels behind a point that updates read.
+    reach: usize,
     blocks: [Vec<bool>; 4],
     /// Blocks that see a line which the opposite scan has changed in the same phase. They become due at the end of the
     /// phase.
@@ -123,10 +125,11 @@ struct Due {
 }
 
 impl Due {
-    fn new(chart: Chart, lines: usize) -> Self {
+    fn new(chart: Chart, lines: usize, reach: usize) -> Self {
         let tiles = Tiling::new(chart, 2 * lines).tiles();
         let blocks = Scan::ALL.map(|scan| vec![false; tiles.by(scan.lines()).rows]);
-        Self { lines, blocks, after: Vec::new() }
+        let reach = reach.max(SPLIT_REACH as usize).div_ceil(2);
+        Self { lines, reach, blocks, after: Vec::new() }
     }
 
     /// Marks the blocks in `after` as due, at the end of a phase.
@@ -154,8 +157,8 @@ impl Due {
             // The last lines of the block, in the order of the scan, are seen by the blocks ahead.
             let forward = order.is_forward();
             let after = if forward { self.lines - 1 - line } else { line };
-            let reach = (SPLIT_REACH as usize).div_ceil(2);
-            for blocks in (1..).take_while(|blocks| after + (blocks - 1) * self.lines < reach) {
+            let seen = |blocks: &usize| after + (blocks - 1) * self.lines < self.reach;
+            for blocks in (1..).take_while(seen) {
                 let ahead =
                     if forward { block.checked_add(blocks) } else { block.checked_sub(blocks) };
                 let Some(ahead) = ahead.filter(|&ahead| ahead < self.blocks[scan].len()) else {

@@ -9,7 +9,7 @@ use crate::points::PointFronts;
 use crate::rotated::typical_edge::typical_edge;
 use crate::scan::Scan;
 use geosweep_surface::Stop;
-use geosweep_surface::constants::{BAND_SIDES, PATIENCE, SPLIT_REACH};
+use geosweep_surface::constants::{BAND_SIDES, PATIENCE};
 use geosweep_surface::update::Wavefront;
 use geosweep_surface::{Chart, EdgeLengths, Real, Seed, Tiling, relative_change};
 use num_traits::One;
@@ -131,11 +131,10 @@ impl<B: Ord + Copy> Visit<B> {
 impl<R: Real, K: PointKind<R>> Tiles<R, K> {
     fn new(fronts: PointFronts<R, K>, seeds: &[Seed], stop: Stop, rounds: Rounds) -> Self {
         let chart = fronts.edges.chart();
-        let is_split = fronts.edges.has_obtuse_triangles();
         let mut tiles = Self {
             chart,
             tiling: Tiling::new(chart, rounds.tile),
-            reach: if is_split { SPLIT_REACH as usize } else { 1 },
+            reach: fronts.edges.reach(),
             rounds,
             behind: behind(chart),
             copies: std::array::from_fn(|_| fronts.clone()),

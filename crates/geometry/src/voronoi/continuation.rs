@@ -5,7 +5,7 @@ use crate::neighbourhood::Neighbourhood;
 use geosweep_cpu::Visited;
 use geosweep_cpu::lines::settled;
 use geosweep_surface::update::{Triangle, Wavefront, circular, planar};
-use geosweep_surface::{Real, Source, Sources, max, min, ring};
+use geosweep_surface::{PartsAround, Real, Source, Sources, SplitPart, max, min, ring};
 
 /// The kind and initial value of a source's wavefront.
 #[derive(Clone, Copy, Debug)]
@@ -17,12 +17,43 @@ struct Origin {
 /// The updates of the sources' wavefronts, indexed by label.
 pub(super) struct Continuation<'a> {
     neighbourhood: Neighbourhood<'a>,
+    /// Parts of obtuse triangles, through which fronts arrive in place of these triangles.
+    parts: Option<PartsAround<f32>>,
     origins: Vec<Origin>,
 }
 
 impl<'a> Continuation<'a> {
-    pub(super) fn new(neighbourhood: Neighbourhood<'a>, sources: &Sources) -> Self {
-        Self { neighbourhood, origins: sources.iter().map(Origin::of).collect() }
+    pub(super) fn new(
+        neighbourhood: Neighbourhood<'a>,
+        parts: Option<PartsAround<f32>>,
+        sources: &Sources,
+    ) -> Self {
+        Self { neighbourhood, parts, origins: sources.iter().map(Origin::of).collect() }
+    }
+
+    pub(super) fn parts(&self) -> Option<&PartsAround<f32>> {
+        self.parts.as_ref()
+    }
+
+    /// Returns the parts of a point's obtuse triangles.
+    pub(super) fn parts_behind(&self, point: usize) -> impl Iterator<Item = SplitPart<f32>> {
+        self.parts.iter().flat_map(move |parts| parts.behind(point))
+    }
+
+    /// Returns the parts of other points' obtuse triangles that have a point as a corner, with these other points.
+    pub(super) fn parts_beside(
+        &self,
+        point: usize,
+    ) -> impl Iterator<Item = (usize, SplitPart<f32>)> {
+        let beside = self.parts.iter().flat_map(move |parts| parts.beside(point));
+        beside.map(|(x0, part, _)| (x0, part))
+    }
+
+    /// Returns the arrival time of a wavefront through a part, from its arrival times at the part's corners.
+    pub(super) fn arrival_over(&self, label: u32, part: &SplitPart<f32>, times: [f64; 2]) -> f64 {
+        let [t1, t2] = times.map(|time| self.since(label, time));
+        let [l1, l2, c] = part.lengths.map(f64::from);
+        self.origins[label as usize].initial + self.through(label, Triangle { t1, t2, l1, l2, c })
     }
 
     pub(super) fn neighbourhood(&self) -> &Neighbourhood<'a> {
@@ -116,7 +147,8 @@ impl<'a> Continuation<'a> {
     ) -> Triangle<f64> {
         let [t1, t2] = ends.map(|to| since[to]);
         let first = if ring::next(ends[0]) == ends[1] { ends[0] } else { ends[1] };
-        Triangle { t1, t2, l1, l2, c: self.neighbourhood.base(point, first) }
+        let triangle = Triangle { t1, t2, l1, l2, c: self.neighbourhood.base(point, first) };
+        if self.parts.is_some() { triangle.without_obtuse_face() } else { triangle }
     }
 
     /// Returns the arrival time of a wavefront through a triangle, counted from the wavefront's start.

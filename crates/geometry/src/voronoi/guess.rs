@@ -8,6 +8,7 @@ use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 use rayon::prelude::*;
 
+use super::continuation::Continuation;
 use super::known::NO_REGION;
 use crate::copies::Copies;
 use crate::neighbourhood::Neighbourhood;
@@ -33,18 +34,23 @@ impl Guess {
     /// Guesses all labels. `seeds` are the points that sources seed, each with the label of its first wavefront. Of the
     /// copies of a point, only the first occurs in `seeds` and in `doubtful`; it stands for all.
     pub(super) fn new(
-        neighbourhood: &Neighbourhood,
+        continuation: &Continuation,
         copies: &Copies,
         times: &[f32],
         seeds: &[(usize, u32)],
     ) -> Self {
+        let neighbourhood = continuation.neighbourhood();
         let chart = neighbourhood.chart();
         let labels = if copies.is_none() {
             linked(chart, times, seeds)
         } else {
             followed(neighbourhood, copies, times, seeds)
         };
-        let around = |point| copies.all(point).flat_map(|copy| neighbourhood.neighbours(copy));
+        let seen = |copy| {
+            let parts = continuation.parts_behind(copy);
+            neighbourhood.neighbours(copy).chain(parts.flat_map(|part| part.corners))
+        };
+        let around = |point| copies.all(point).flat_map(seen);
         let is_reached = |point: &usize| times[*point] < f32::FAR;
         let in_doubt = |point: &usize| {
             let (label, here) = (labels[*point], copies.rank(times, *point));
@@ -64,6 +70,11 @@ impl Guess {
         let rows = (0..chart.rows).into_par_iter();
         let found: Vec<Vec<u32>> = rows.map_init(Vec::new, of_row).collect();
         let mut doubtful = found.concat();
+        // The neighbours of a point with obtuse triangles do not tell whether a front comes from beyond them.
+        if let Some(parts) = continuation.parts() {
+            let far = parts.points().filter(is_reached).filter(in_doubt);
+            doubtful.extend(far.map(|point| copies.first(point) as u32));
+        }
         let beside_seeds = seeds.iter().flat_map(|&(point, _)| around(point).chain([point]));
         let beside_seeds = beside_seeds.filter(is_reached);
         doubtful.extend(beside_seeds.map(|point| copies.first(point) as u32));

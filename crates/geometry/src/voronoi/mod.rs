@@ -78,11 +78,15 @@ impl Voronoi {
         distances: &[f32],
     ) -> Result<Self, MapError> {
         assert_eq!(edges.chart(), surface.chart(), "the edges are another surface's");
+        let regions = sources.iter().count();
+        if let Some(labels) = starts::of_one_source(surface, sources, distances)? {
+            return Ok(Self { labels, borders: Vec::new(), splits: Vec::new(), regions });
+        }
         let fronts = SourceFronts::new(surface, edges, sources, distances)?;
         let labels = fronts.labels();
         let (borders, splits) = borders::march(&fronts, &labels);
         let borders = if surface.is_glued() { over_seams(borders, surface) } else { borders };
-        Ok(Self { labels, borders, splits, regions: sources.iter().count() })
+        Ok(Self { labels, borders, splits, regions })
     }
 
     /// Merges regions: region `k` becomes a part of region `numbers[k]`, of `regions` regions. Borders within a merged

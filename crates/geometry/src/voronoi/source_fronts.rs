@@ -22,7 +22,9 @@ use super::starts::{first_labels, starts};
 use crate::MapError;
 use crate::copies::Copies;
 use crate::neighbourhood::Neighbourhood;
-use geosweep_surface::{Chart, EdgeLengths, Real, Sources, Surface, max, min, ring};
+use geosweep_surface::{
+    Chart, EdgeLengths, PartsAround, Real, Sources, SplitPart, Surface, max, min, ring,
+};
 
 /// A wavefront that may reach a point.
 #[derive(Clone, Copy, Debug)]
@@ -76,7 +78,9 @@ impl<'a> SourceFronts<'a> {
         let (copies, times) = Copies::with_times(edges, distances)?;
         let neighbourhood = Neighbourhood::new(edges);
         let starts = starts(edges.chart(), &copies, surface, sources)?;
-        let guess = Guess::new(&neighbourhood, &copies, &times, &first_labels(&starts));
+        let parts = PartsAround::of(edges);
+        let continuation = Continuation::new(neighbourhood, parts, sources);
+        let guess = Guess::new(&continuation, &copies, &times, &first_labels(&starts));
         let mut known = KnownFronts::guessed(copies, times, guess.labels);
         starts.iter().for_each(|start| known.set_label(start.point, NONE));
         starts.iter().for_each(|start| known.insert(start.point, start.label, start.time));
@@ -87,7 +91,7 @@ impl<'a> SourceFronts<'a> {
         let mut is_queued = vec![false; edges.chart().bordered_points()];
         guess.doubtful.into_iter().for_each(|point| is_queued[point as usize] = true);
         Ok(Self {
-            continuation: Continuation::new(neighbourhood, sources),
+            continuation,
             start: sources.start(),
             known,
             ahead,
@@ -114,6 +118,33 @@ impl<'a> SourceFronts<'a> {
             }
         }
         self.known.advance(u64::MAX);
+        self.label_the_rest();
+    }
+
+    /// Gives reached points that no wavefront has arrived at the label of their earliest neighbour. There are such points
+    /// where a map has not converged, and where seeds are earlier than all points around them.
+    fn label_the_rest(&mut self) {
+        let is_left = |fronts: &Self, point: &usize| {
+            fronts.known.is_reached(*point) && fronts.known.label(*point) == NONE
+        };
+        let points = 0..self.chart().bordered_points();
+        let mut left: Vec<_> = points.filter(|point| is_left(self, point)).collect();
+        while !left.is_empty() {
+            let labelled = |&point: &usize| {
+                let has_edge = |&to: &usize| self.neighbourhood().length(point, to) < f64::FAR;
+                let around =
+                    (0..8).filter(has_edge).map(|to| self.neighbourhood().neighbour(point, to));
+                let around = around.filter(|&other| self.known.is_visited(other));
+                let earliest = around.min_by_key(|&other| self.known.rank(other))?;
+                Some((point, self.known.first_label(earliest)))
+            };
+            let found: Vec<_> = left.iter().filter_map(labelled).collect();
+            if found.is_empty() {
+                break;
+            }
+            found.into_iter().for_each(|(point, label)| self.known.set_label(point, label));
+            left.retain(|point| is_left(self, point));
+        }
     }
 
     /// Takes the earliest queued point.
@@ -145,6 +176,12 @@ impl<'a> SourceFronts<'a> {
                 let neighbour = self.neighbourhood().neighbour(copy, to);
                 if self.known.is_ahead(neighbour) && self.known.is_reached(neighbour) {
                     self.enqueue(self.known.copies().first(neighbour));
+                }
+            }
+            let seen: Vec<_> = self.continuation.parts_beside(copy).map(|(x0, _)| x0).collect();
+            for x0 in seen {
+                if self.known.is_ahead(x0) && self.known.is_reached(x0) {
+                    self.enqueue(self.known.copies().first(x0));
                 }
             }
         }
@@ -212,7 +249,16 @@ impl<'a> SourceFronts<'a> {
     fn arrive(&self, point: usize, found: &mut [Candidate], lengths: &[f64; 8]) {
         for Candidate { label, since, time, .. } in found {
             *time = min(*time, self.continuation.arrival(point, *label, since, lengths));
+            for part in self.continuation.parts_behind(point) {
+                *time = min(*time, self.arrival_over(&part, *label));
+            }
         }
+    }
+
+    /// Returns the arrival time of a wavefront through a part of an obtuse triangle.
+    fn arrival_over(&self, part: &SplitPart<f32>, label: u32) -> f64 {
+        let times = part.corners.map(|corner| self.known.time(corner, label));
+        self.continuation.arrival_over(label, part, times)
     }
 
     /// Removes the candidates that arrive too late to count at a point, and stores the others.
@@ -275,6 +321,15 @@ impl<'a> SourceFronts<'a> {
                 candidate.last = max(candidate.last, since);
             }
         }
+        for corner in self.continuation.parts_behind(point).flat_map(|part| part.corners) {
+            let label = self.known.label(corner);
+            is_alone &= label == NONE || !has_several(label);
+            for (label, _) in self.known.at(corner) {
+                if found.iter().all(|candidate| candidate.label != label) {
+                    found.push(fresh((label, f64::FAR)));
+                }
+            }
+        }
         (found, visited, is_alone)
     }
 
@@ -307,12 +362,27 @@ impl<'a> SourceFronts<'a> {
             }
             let now = min(latest, before);
             let arrival = self.continuation.arrival_beside(neighbour, label, back, &since, now);
-            let Some(arrival) = arrival else { continue };
-            if arrival <= latest && arrival < before * (1.0 - 1e-9) {
-                self.known.insert(neighbour, label, arrival);
-                self.enqueue_after(neighbour);
-                self.news.push((neighbour as u32, label));
+            self.hear(neighbour, label, arrival.unwrap_or(f64::FAR));
+        }
+        let beside: Vec<_> = self.continuation.parts_beside(point).collect();
+        for (x0, part) in beside {
+            if self.known.is_visited(x0) {
+                self.hear(x0, label, self.arrival_over(&part, label));
             }
+        }
+    }
+
+    /// Stores the later arrival of a wavefront at a visited point, if it counts there, and passes it on.
+    fn hear(&mut self, point: usize, label: u32, arrival: f64) {
+        let before = self.known.time(point, label);
+        if arrival >= before * (1.0 - 1e-9) {
+            return;
+        }
+        let (_, first) = self.known.first(point);
+        if arrival <= latest(first, self.longest(point)) {
+            self.known.insert(point, label, arrival);
+            self.enqueue_after(point);
+            self.news.push((point as u32, label));
         }
     }
 

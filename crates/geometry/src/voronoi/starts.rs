@@ -1,7 +1,9 @@
 //! Determines where the wavefronts of sources start.
 
+use super::known::NO_REGION;
 use crate::MapError;
 use crate::copies::Copies;
+use crate::order::bordered;
 use geosweep_surface::{Chart, Source, Sources, Surface};
 
 /// The arrival of a source's wavefront at one of the source's seeds.
@@ -34,6 +36,24 @@ pub(super) fn starts(
         }
     }
     Ok(starts)
+}
+
+/// Returns the labels of a map of one source: all points that it reaches are its own. Returns `None` if there are several
+/// sources.
+pub(super) fn of_one_source(
+    surface: &Surface,
+    sources: &Sources,
+    distances: &[f32],
+) -> Result<Option<Vec<u32>>, MapError> {
+    let mut others = sources.iter();
+    let first = others.next();
+    if others.any(|other| Some(other) != first) {
+        return Ok(None);
+    }
+    sources.seeds(surface)?;
+    bordered(surface.chart(), distances)?;
+    let label = |distance: &f32| if distance.is_finite() { 0 } else { NO_REGION };
+    Ok(Some(distances.iter().map(label).collect()))
 }
 
 /// Returns the points that have a start, each once, with the label of its earliest start. If several starts are equally

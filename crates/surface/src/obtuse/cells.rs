@@ -4,7 +4,8 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use crate::chart::Chart;
+use super::reach::reach;
+use crate::chart::{Chart, Direction};
 use crate::constants::OBTUSE;
 use crate::lanes::{Instructions, Loop};
 use crate::real::Real;
@@ -61,19 +62,25 @@ pub(crate) struct RowAbove<R> {
     east: Vec<R>,
     /// Marks of the cells between the last two rows, as in [`MarkedCells`].
     pub(crate) marks: Vec<bool>,
+    /// Largest reach of the splits of all rows so far.
+    pub(crate) reach: usize,
 }
 
 impl<R: Real> RowAbove<R> {
     /// Returns the state before the first row.
     pub(crate) fn none(cols: usize) -> Self {
-        Self { east: vec![R::FAR; cols], marks: vec![false; cols.div_ceil(CELLS)] }
+        Self { east: vec![R::FAR; cols], marks: vec![false; cols.div_ceil(CELLS)], reach: 1 }
     }
 
     /// Checks the triangles between the row above and the next row, given the edges stored at the points of the next
     /// row.
     pub(crate) fn next(&mut self, [east, north, north_east, north_west]: &[Vec<R>; 4]) {
-        let Self { east: above, marks } = self;
-        Instructions::best().run(Cells { above, east, north, north_east, north_west, marks });
+        let Self { east: above, marks, reach } = self;
+        let mut cells = Cells { above, east, north, north_east, north_west, marks };
+        Instructions::best().run(cells.again());
+        if cells.marks.contains(&true) {
+            *reach = cells.reach().max(*reach);
+        }
         above.copy_from_slice(east);
     }
 }
@@ -86,6 +93,41 @@ struct Cells<'a, R> {
     north_east: &'a [R],
     north_west: &'a [R],
     marks: &'a mut [bool],
+}
+
+impl<R: Real> Cells<'_, R> {
+    fn again(&mut self) -> Cells<'_, R> {
+        Cells { marks: self.marks, ..*self }
+    }
+
+    /// Returns the largest reach of a split in marked cells.
+    fn reach(&self) -> usize {
+        let count = self.east.len().saturating_sub(1);
+        let marked = self.marks.iter().enumerate().filter(|(_, mark)| **mark);
+        let cells = marked.flat_map(|(at, _)| at * CELLS..((at + 1) * CELLS).min(count));
+        let of_cell = |col: usize| {
+            let square = |length: R| length * length;
+            let (above, east) = (square(self.above[col]), square(self.east[col]));
+            let (left, right) = (square(self.north[col]), square(self.north[col + 1]));
+            let (rising, falling) =
+                (square(self.north_east[col]), square(self.north_west[col + 1]));
+            let corner = |diagonal: R, step: Direction, side: R, along: Direction, base: R| {
+                reach([step, along].map(Direction::vector), [diagonal, side, base])
+            };
+            // A step at one end of a diagonal is the opposite of a step at the other end.
+            let (up, down) = (Direction::NorthEast, Direction::SouthEast);
+            let across = [(rising, up, Direction::North), (falling, down, Direction::South)];
+            let ends = across.into_iter().zip([[left, right], [right, left]]);
+            let corners = ends.flat_map(|((diagonal, step, aside), [near, far])| {
+                let horizontal = [(east, far), (above, near)];
+                let vertical = [(near, above), (far, east)];
+                let along = |to| move |(side, base)| corner(diagonal, step, side, to, base);
+                horizontal.map(along(Direction::East)).into_iter().chain(vertical.map(along(aside)))
+            });
+            corners.max().unwrap_or(1)
+        };
+        cells.map(of_cell).max().unwrap_or(1)
+    }
 }
 
 impl<R: Real> Loop for Cells<'_, R> {

@@ -44,6 +44,9 @@ pub(super) struct Found {
     pub(super) bits: Vec<u8>,
     /// Points that have obtuse triangles, by row and by column.
     pub(super) lines: [Lines; 2],
+    /// Largest distance in rows and columns at which splits are needed. It may be larger than the one at which updates
+    /// look for them, [`crate::EdgeLengths::reach`].
+    pub(super) needed: usize,
 }
 
 /// Points of some lines, line by line, as positions in the line.

@@ -6,8 +6,9 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use super::lists::{Found, Lines};
-use crate::chart::ring;
-use crate::constants::OBTUSE;
+use super::reach::{of_updates, reach};
+use crate::chart::{Direction, ring};
+use crate::constants::{OBTUSE, SPLIT_REACH};
 use crate::edges::EdgeLengths;
 use crate::kept;
 use crate::lanes::{Instructions, Loop};
@@ -51,6 +52,15 @@ impl<R: Real> EdgeLengths<R> {
         self.found().map_or(0, |found| found.lines[0].places.len())
     }
 
+    /// Returns the largest distance, in rows and columns, from which an update reads a point. It is 1 on surfaces without
+    /// obtuse triangles.
+    #[doc(hidden)]
+    pub fn reach(&self) -> usize {
+        let Some(Found { needed, .. }) = self.found() else { return 1 };
+        // Beyond its seams, the grid of a glued surface goes on by as many lines as splits usually need.
+        if self.shared.of_glued { SPLIT_REACH as usize } else { of_updates(*needed) }
+    }
+
     /// Returns whether the surface has triangles that are obtuse at the point that is updated from them.
     /// Steep surfaces and sheared grids have some.
     pub fn has_obtuse_triangles(&self) -> bool {
@@ -83,10 +93,34 @@ fn obtuse_triangles<R: Real>(edges: &EdgeLengths<R>) -> Option<Found> {
     };
     let rows: Vec<Vec<u32>> = chart.rows_mut(&mut triangles).enumerate().map(in_row).collect();
     rows.iter().any(|row| !row.is_empty()).then(|| {
+        let needed = rows.par_iter().enumerate().map(|(row, places)| {
+            let places = places.iter().map(|&place| chart.bordered(row, place as usize - 1));
+            places.map(|point| edges.reach_of(point, triangles[point])).max().unwrap_or(1)
+        });
+        let needed = needed.max().unwrap_or(1);
         let by_row = Lines::of(&rows);
         let by_col = by_row.turned(chart.stride());
-        Found { bits: triangles, lines: [by_row, by_col] }
+        Found { bits: triangles, lines: [by_row, by_col], needed }
     })
+}
+
+impl<R: Real> EdgeLengths<R> {
+    /// Returns the largest reach of the splits of a point's obtuse triangles.
+    fn reach_of(&self, point: usize, obtuse: u8) -> usize {
+        let around = |to: Direction| {
+            let next = to.next();
+            let base = (next.step().0 - to.step().0, next.step().1 - to.step().1);
+            let at = self.chart().offset(to).from(point);
+            let lengths = [
+                self.along(point, to.step()),
+                self.along(point, next.step()),
+                self.along(at, base),
+            ];
+            reach([to, next].map(Direction::vector), lengths.map(|length| length * length))
+        };
+        let is_obtuse = |to: &Direction| obtuse >> *to as u8 & 1 != 0;
+        Direction::ALL.into_iter().filter(is_obtuse).map(around).max().unwrap_or(1)
+    }
 }
 
 impl<R: Real> EdgeLengths<R> {
@@ -217,7 +251,8 @@ mod tests {
             let mut texels = vec![[0.0; 4]; surface.rows() * surface.cols()];
             let told =
                 surface.write_edges(0..surface.rows(), surface.origin(), &mut texels).unwrap();
-            assert_eq!((edges.has_obtuse_triangles(), told), (expected, expected));
+            assert_eq!(edges.has_obtuse_triangles(), expected);
+            assert_eq!(told, expected.then(|| edges.reach()));
             // The full search agrees with the search during measurement.
             assert_eq!(obtuse_triangles(&edges).is_some(), expected);
         }

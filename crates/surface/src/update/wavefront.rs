@@ -222,6 +222,9 @@ impl EngineKind {
     }
 }
 
+/// Largest distance in rows and columns of points that split triangles on surfaces where fronts carry their ray.
+const SKEWED_MOST: usize = 2;
+
 impl Setting {
     /// Makes the setting of a map of a surface.
     #[doc(hidden)]
@@ -233,8 +236,10 @@ impl Setting {
         let meet = sources.are_several() || surface.is_glued();
         // In the thin cells around a pole, rays that leave a curve come up to a cell early.
         let from_beside_pole = sources == SourceKind::Curves && surface.has_poles();
-        let fronts_meet =
-            meet && !is_slowed_unevenly && !surface.has_even_cells() && !from_beside_pole;
+        // Where points that split triangles lie far away, rays come early, and do not settle.
+        let fronts_meet = meet
+            && !(is_slowed_unevenly || from_beside_pole)
+            && !(surface.has_even_cells() || surface.has_skewed_cells(SKEWED_MOST));
         Self { is_floor_plan, is_rough, is_slowed_unevenly, fronts_meet, sources, engine }
     }
 

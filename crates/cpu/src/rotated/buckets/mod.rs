@@ -9,7 +9,6 @@
 
 mod compute;
 mod neighbours;
-mod parts;
 mod pass_on;
 mod queue;
 mod state;
@@ -17,7 +16,6 @@ mod state;
 use std::sync::Arc;
 
 use self::neighbours::{Lengths, Neighbours, lengths_of};
-use self::parts::PartsAround;
 use self::queue::{Buckets, width};
 use self::state::{State, StoredFronts, none, waiting};
 use super::prepared::Settings;
@@ -27,7 +25,7 @@ use crate::fronts::{BATCH, Fronts, MOST, Pulled, TriangleKind};
 use crate::limit::Limit;
 use geosweep_surface::lanes::Loop;
 use geosweep_surface::update::StoredFront;
-use geosweep_surface::{Block, Convergence, EdgeLengths, Monitor, Real, Seed, Stop};
+use geosweep_surface::{Block, Convergence, EdgeLengths, Monitor, PartsAround, Real, Seed, Stop};
 
 /// A solver for one kind of front; see [`crate::RotatedScan`].
 #[derive(Clone, Debug)]

@@ -27,7 +27,6 @@ use crate::lines::span::TILE;
 use crate::lines::window::{Fronts, Window};
 use crate::progress::Progress;
 use crate::scan::Scan;
-use geosweep_surface::constants::SPLIT_REACH;
 use geosweep_surface::update::StoredFront;
 use geosweep_surface::{Block, EdgeLengths, Real, Seed, Tiling, min, relative_change};
 use geosweep_surface::{Convergence, Stop};
@@ -219,8 +218,7 @@ impl<R: Real, K: LaneKind<R>> PatchScanner<R, K> {
 
     /// Returns the largest distance, in rows and columns, from which an update reads a point.
     fn reach(&self) -> usize {
-        let is_split = K::NEEDS_EDGES && self.on.edges.has_obtuse_triangles();
-        if is_split { SPLIT_REACH as usize } else { 1 }
+        if K::NEEDS_EDGES { self.on.edges.reach() } else { 1 }
     }
 
     fn converge(&mut self, seeds: &[Seed], stop: Stop) -> Convergence {

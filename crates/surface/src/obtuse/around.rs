@@ -1,11 +1,13 @@
 //! Parts of obtuse triangles, by their three corners.
 
-use crate::behind::TriangleSlots;
-use geosweep_surface::{Direction, EdgeLengths, Real, SplitPart};
+use super::parts::SplitPart;
+use crate::chart::Direction;
+use crate::edges::EdgeLengths;
+use crate::real::Real;
 
 /// The parts of all obtuse triangles of a surface, listed at each of their corners.
 #[derive(Clone, Debug)]
-pub(super) struct PartsAround<R> {
+pub struct PartsAround<R> {
     /// Parts, with the point x0 whose triangle they split, in the order of these points.
     parts: Vec<(u32, SplitPart<R>)>,
     /// Start of each point's parts in `parts`.
@@ -17,15 +19,15 @@ pub(super) struct PartsAround<R> {
 
 impl<R: Real> PartsAround<R> {
     /// Returns the parts, or `None` if no triangle is obtuse.
-    pub(super) fn of(edges: &EdgeLengths<R>) -> Option<Self> {
+    #[doc(hidden)]
+    pub fn of(edges: &EdgeLengths<R>) -> Option<Self> {
         let obtuse = edges.obtuse_triangles()?;
         let chart = edges.chart();
-        let triangles = Direction::ALL.map(|to| TriangleSlots::new(chart, to, to.next()));
         let (mut parts, mut behind) = (Vec::new(), Vec::with_capacity(obtuse.len() + 1));
         for (point, &bits) in obtuse.iter().enumerate() {
             behind.push(parts.len() as u32);
-            for slots in triangles.iter().filter(|slots| bits & slots.bit() != 0) {
-                edges.split(point, slots.directions(), |corners, lengths, slowness| {
+            for to in Direction::ALL.into_iter().filter(|&to| bits >> to as u8 & 1 != 0) {
+                edges.split(point, [to, to.next()], |corners, lengths, slowness| {
                     parts.push((point as u32, SplitPart { corners, lengths, slowness }));
                 });
             }
@@ -47,13 +49,22 @@ impl<R: Real> PartsAround<R> {
     }
 
     /// Returns the parts that have a point as x0.
-    pub(super) fn behind(&self, point: usize) -> impl Iterator<Item = SplitPart<R>> {
+    #[doc(hidden)]
+    pub fn behind(&self, point: usize) -> impl Iterator<Item = SplitPart<R>> {
         let parts = self.behind[point] as usize..self.behind[point + 1] as usize;
         self.parts[parts].iter().map(|&(_, part)| part)
     }
 
+    /// Returns the points whose triangles have parts.
+    #[doc(hidden)]
+    pub fn points(&self) -> impl Iterator<Item = usize> {
+        let points = self.behind.windows(2).enumerate();
+        points.filter(|(_, parts)| parts[0] < parts[1]).map(|(point, _)| point)
+    }
+
     /// Returns the parts that have a point as x1 or x2, each after its x0 and before the length of the edge between both.
-    pub(super) fn beside(&self, point: usize) -> impl Iterator<Item = (usize, SplitPart<R>, R)> {
+    #[doc(hidden)]
+    pub fn beside(&self, point: usize) -> impl Iterator<Item = (usize, SplitPart<R>, R)> {
         let entries = self.first[point] as usize..self.first[point + 1] as usize;
         self.beside[entries].iter().map(move |&number| {
             let (x0, part) = self.parts[number as usize];
@@ -61,7 +72,8 @@ impl<R: Real> PartsAround<R> {
         })
     }
 
-    pub(super) fn bytes(&self) -> usize {
+    #[doc(hidden)]
+    pub fn bytes(&self) -> usize {
         let numbers = self.behind.len() + self.beside.len() + self.first.len();
         size_of_val(self.parts.as_slice()) + numbers * size_of::<u32>()
     }

@@ -1,0 +1,89 @@
+//! Adds seeds around sources inside sheared and skewed cells.
+//!
+//! Between the corners of such a cell, rays of a source inside it cross bases whose ends no ray has reached yet. The
+//! points around the cell, as far away as those that split obtuse triangles, are close enough to the source for straight
+//! lines of the chart. The length of any line is an upper bound of the distance, so no seed is early.
+
+use std::collections::BTreeMap;
+
+use glam::DVec2;
+
+use super::sight_lines::has_no_hole;
+use geosweep_surface::{Heading, Seed, Surface};
+
+/// Largest cosine of the angle between the sides of a cell that is not sheared.
+const SHEARED: f64 = 0.1;
+/// Number of pieces of a line per row or column, whose lengths are added up.
+const PIECES: f64 = 4.0;
+
+/// Returns the seeds with those around sources inside skewed cells, and with those at the points beside sheared cells if
+/// fronts carry their ray (`has_rays`). Each point has its earliest seed.
+pub(super) fn around_skewed_cells(
+    surface: &Surface,
+    seeds: Vec<Seed>,
+    has_rays: bool,
+) -> Vec<Seed> {
+    // A line in which the slowness changes has no known time.
+    if surface.is_slowed_unevenly() {
+        return seeds;
+    }
+    let mut sources = BTreeMap::new();
+    for seed in seeds.iter().filter(|seed| seed.origin.is_some_and(|origin| origin.is_point())) {
+        if let Some(from) = seed.from {
+            sources.entry(from.to_array().map(f64::to_bits)).or_insert((from, *seed));
+        }
+    }
+    let around = |(from, seed)| {
+        let skew = surface.skew_around(from);
+        let is_sheared = has_rays && is_sheared(surface, from);
+        let reach = if is_sheared || skew > 1 { skew } else { return Vec::new() };
+        on_lines(surface, from, seed, reach)
+    };
+    let further: Vec<_> = sources.into_values().flat_map(around).collect();
+    if further.is_empty() { seeds } else { Seed::earliest(seeds.into_iter().chain(further)) }
+}
+
+/// Returns whether the sides of a place's cell are not at a right angle.
+fn is_sheared(surface: &Surface, from: DVec2) -> bool {
+    let [row, col] = from.floor().to_array();
+    let corner = |down: f64, right: f64| surface.place(DVec2::new(row + down, col + right));
+    let corners = [corner(0.0, 0.0), corner(0.0, 1.0), corner(1.0, 0.0), corner(1.0, 1.0)];
+    let [Some(a), Some(b), Some(c), Some(d)] = corners else { return false };
+    let (falling, rising) = (a.length_to(d), b.length_to(c));
+    let cosine = (falling * falling - rising * rising) / (4.0 * a.length_to(b) * a.length_to(c));
+    cosine.abs() > SHEARED
+}
+
+/// Returns seeds at the points at most `reach` rows and columns away from the cell of a source, of which one seed is
+/// known. They hold the distances along straight lines of the chart on which no point is missing.
+fn on_lines(surface: &Surface, from: DVec2, known: Seed, reach: usize) -> Vec<Seed> {
+    let Some(start) = known.origin.map(|origin| origin.start) else { return Vec::new() };
+    let length = |to: DVec2| {
+        let pieces = ((to - from).abs().max_element() * PIECES).ceil();
+        let place = |piece: f64| surface.place(from.lerp(to, piece / pieces));
+        let mut sum = 0.0;
+        for piece in 1..=pieces as usize {
+            let (before, after) = (place(piece as f64 - 1.0)?, place(piece as f64)?);
+            sum += before.length_to(after);
+        }
+        Some(sum)
+    };
+    // The edges may be measured along the surface, and weighted by a slowness.
+    let Some(known_length) = length(known.place()) else { return Vec::new() };
+    let scale = (known.time - start) / known_length;
+    let seed = |(row, col): (usize, usize)| {
+        let step = DVec2::new(row as f64, col as f64) - from;
+        let is_free = surface.has(row, col) && has_no_hole(surface, (row, col), from);
+        let away = if is_free { length(from + step)? * scale } else { return None };
+        (away > 0.0).then_some(Seed {
+            row,
+            col,
+            time: start + away,
+            curvature: 1.0 / away,
+            heading: Heading::Along(step),
+            from: Some(from),
+            ..known
+        })
+    };
+    surface.chart().around_place(from, reach).places().filter_map(seed).collect()
+}

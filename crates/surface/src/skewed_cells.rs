@@ -1,0 +1,115 @@
+//! Measures how skewed cells are: how far away the points lie that split the obtuse triangles in them.
+
+use glam::DVec2;
+use rayon::prelude::*;
+
+use super::obtuse::reach::splits_within;
+use super::{Direction, Surface};
+use crate::constants::LOOKS;
+
+impl Surface {
+    /// Returns the distance in rows and columns of the farthest point that splits an obtuse triangle of some point in or
+    /// beside the cell of a place, if the metric there were that of the triangle. The result is at least 1.
+    ///
+    /// In a constant metric, no triangle of a lattice point and its nearest points is obtuse. The result is then the
+    /// distance of the farthest of the nearest points.
+    #[doc(hidden)]
+    pub fn skew_around(&self, place: DVec2) -> usize {
+        let around = self.chart().around_place(place, 1);
+        around.places().map(|at| self.skew_at(at)).max().unwrap_or(1)
+    }
+
+    /// Returns whether some cells are so skewed that points which split obtuse triangles are more than `most` rows or
+    /// columns away. It looks at some thousands of points.
+    #[doc(hidden)]
+    pub fn has_skewed_cells(&self, most: usize) -> bool {
+        let step = |points: usize| points.div_ceil(LOOKS as usize).max(1);
+        let (rows, cols) = (self.rows(), self.cols());
+        (0..rows).into_par_iter().step_by(step(rows)).any(|row| {
+            // Cells may differ from the first to the last, so the points lie at other columns in each row.
+            let first = row / step(rows) % step(cols);
+            (first..cols).step_by(step(cols)).any(|col| self.skew_at((row, col)) > most)
+        })
+    }
+
+    fn skew_at(&self, at: (usize, usize)) -> usize {
+        let (row, col) = at;
+        let ends = Direction::ALL.map(|to| {
+            let end = self.has_edge(row, col, to).then(|| self.chart().neighbour(row, col, to));
+            end.flatten().map(|end| (to, end, self.length_on_surface(at, end)))
+        });
+        let triangles = (0..8).filter_map(|to| Some([ends[to]?, ends[(to + 1) % 8]?]));
+        let reach = |[(a, end_a, length_a), (b, end_b, length_b)]: [_; 2]| {
+            let base: f64 = self.length_on_surface(end_a, end_b);
+            let squares = [length_a, length_b, base].map(|length: f64| length * length);
+            splits_within([a, b].map(Direction::vector), squares)
+        };
+        triangles.map(reach).max().unwrap_or(1)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::{MetricTensor, Spacing};
+
+    /// Returns a surface of 11 x 13 points. `place` gives the position from row and column.
+    fn surface(place: impl Fn(f64, f64) -> [f64; 3]) -> Surface {
+        let positions = (0..11 * 13)
+            .map(|index| DVec3::from_array(place((index / 13) as f64, (index % 13) as f64)));
+        Surface::from_positions(11, 13, positions.collect()).unwrap()
+    }
+
+    /// Returns a metric whose axes have a ratio and whose longer axis is turned from point to point.
+    fn metric(ratio: f64, turn: impl Fn(f64) -> f64) -> Surface {
+        let tensors = (0..20).map(|index| {
+            let axis = DVec2::from_angle(turn(f64::from(index)));
+            let along = |a: f64, b: f64| a * b * (ratio * ratio - 1.0);
+            MetricTensor {
+                rr: 1.0 + along(axis.x, axis.x),
+                rc: along(axis.x, axis.y),
+                cc: 1.0 + along(axis.y, axis.y),
+            }
+        });
+        Surface::from_metric(4, 5, tensors.collect()).unwrap()
+    }
+
+    #[test]
+    fn cells_are_skewed_if_neighbours_are_not_the_nearest_points() {
+        let by = |by: f64| surface(|row, col| [col + by * row, row, 0.0]);
+        for (shear, skew) in [(0.0, 1), (0.4, 1), (1.0, 1), (1.4, 2), (-1.6, 2), (7.0, 7)] {
+            for place in [[5.0, 5.0], [0.0, 0.0], [9.5, 0.3], [10.0, 12.0]] {
+                assert_eq!(by(shear).skew_around(place.into()), skew, "{shear} {place:?}");
+            }
+            assert_eq!(by(shear).has_skewed_cells(1), skew > 1);
+        }
+        assert_eq!(surface(|row, col| [9.0 * col, row, 0.0]).skew_around(DVec2::ONE), 1);
+        assert_eq!(
+            [1.0, 1.5, 10.0, 100.0].map(|ratio| metric(ratio, |_| 0.6).has_skewed_cells(1)),
+            [false, false, true, true]
+        );
+        // Long axes along rows and columns need no further points.
+        assert!(!metric(100.0, |_| 0.0).has_skewed_cells(1));
+    }
+
+    #[test]
+    fn skewed_cells_are_found_among_others() {
+        let (rows, cols) = (200, 300);
+        let heights = |from: usize| {
+            let height = move |k: usize| {
+                let (row, col) = (k / cols, k % cols);
+                if (from..from + 40).contains(&row) { 9.0 * (col + row) as f64 } else { 0.0 }
+            };
+            let heights = (0..rows * cols).map(height).collect();
+            Surface::from_heights(rows, cols, heights, Spacing::square(1.0)).unwrap()
+        };
+        for from in [0, 37, 120] {
+            let surface = heights(from);
+            assert!(surface.has_skewed_cells(1), "{from}");
+            assert!(surface.skew_around(DVec2::new(from as f64 + 20.0, 7.5)) > 1);
+            assert_eq!(surface.skew_around(DVec2::new(190.0, 7.5)), 1);
+        }
+    }
+}
