@@ -1,7 +1,7 @@
 //! The errors of the one-call interface. Messages say how to correct the input, where the caller can.
 
 use crate::Cancelled;
-use crate::surface::{SourceError, SurfaceError};
+use crate::surface::{SourceError, SurfaceError, Unresolved};
 use crate::update::Unsuited;
 #[cfg(feature = "vulkan")]
 use crate::vulkan::VulkanError;
@@ -48,6 +48,11 @@ pub enum Error {
     /// The computation was cancelled by its [`crate::Monitor`].
     #[error("{Cancelled}")]
     Cancelled,
+    /// The error of the map cannot be estimated: all grids would be late alike.
+    #[error(
+        "the error cannot be estimated: {0}. Choose rows or columns along the direction in which lengths are short"
+    )]
+    Unresolved(Unresolved),
     /// An option is out of its range, or does not suit the surface, the sources, the engine or the precision.
     #[error("{0}")]
     Options(String),

@@ -4,7 +4,7 @@ use std::sync::{Mutex, OnceLock, PoisonError};
 
 use crate::cpu::RotatedScan;
 use crate::solve::{Precision, in_precision};
-use crate::surface::{Resolution, Seam, Sources, Surface};
+use crate::surface::{Resolution, Seam, Sources, Surface, Unresolved};
 use crate::update::{SourceKind, Wavefront};
 use crate::{DistanceMap, Engine, Error, Options};
 
@@ -32,6 +32,7 @@ pub struct MapSolver {
     double: Waiting<f64>,
     seams: OnceLock<Vec<Seam>>,
     resolution: OnceLock<Option<Resolution>>,
+    unresolved: OnceLock<Option<Unresolved>>,
     /// Kinds of fronts that were chosen before, for what was asked.
     wavefronts: Mutex<Vec<(Asked, Wavefront)>>,
 }
@@ -61,8 +62,8 @@ impl MapSolver {
     /// Makes a solver, which measures the surface for its first map.
     pub fn new(surface: Surface) -> Self {
         let (single, double) = (Waiting(Mutex::default()), Waiting(Mutex::default()));
-        let (seams, resolution, wavefronts) = Default::default();
-        Self { surface, single, double, seams, resolution, wavefronts }
+        let (seams, resolution, unresolved, wavefronts) = Default::default();
+        Self { surface, single, double, seams, resolution, unresolved, wavefronts }
     }
 
     /// Returns the surface.
@@ -104,6 +105,10 @@ impl MapSolver {
 
     pub(crate) fn resolution(&self) -> Option<Resolution> {
         *self.resolution.get_or_init(|| self.surface.resolution())
+    }
+
+    pub(crate) fn unresolved(&self) -> Option<Unresolved> {
+        *self.unresolved.get_or_init(|| self.surface.unresolved())
     }
 
     /// Returns the kind of front for a map.

@@ -315,6 +315,10 @@ impl<'a> Problem<'a> {
             Some(solver) => solver.resolution(),
             None => self.surface.resolution(),
         };
+        report.unresolved = match self.solver {
+            Some(solver) => solver.unresolved(),
+            None => self.surface.unresolved(),
+        };
         report
     }
 

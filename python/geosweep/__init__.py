@@ -16,7 +16,13 @@ from ._pairs import pairs
 from ._results import Basis, Curves, Path, Ridge, Voronoi
 from ._sources import Lines
 from ._surface import Device, Surface, devices, distance, route
-from ._warnings import ConvergenceError, ConvergenceWarning, ScaleWarning, SeamWarning
+from ._warnings import (
+    ConvergenceError,
+    ConvergenceWarning,
+    ScaleWarning,
+    SeamWarning,
+    SkewWarning,
+)
 
 __all__ = [
     "Basis",
@@ -34,6 +40,7 @@ __all__ = [
     "Ridge",
     "ScaleWarning",
     "SeamWarning",
+    "SkewWarning",
     "Surface",
     "Voronoi",
     "__version__",

@@ -20,8 +20,19 @@ class ScaleWarning(UserWarning):
     """Lengths on a map projection differ from those on the ground."""
 
 
+class SkewWarning(UserWarning):
+    """Cells are so skewed that distances may be late by tens of per cent."""
+
+
 def check(converged: bool, report: Mapping[str, object], strict: bool) -> None:
-    """Warn or raise if a computation has not converged."""
+    """Warn of cells that are too skewed, and warn or raise if a computation has not converged."""
+    if place := report.get("unresolved"):
+        warnings.warn(
+            f"cells around {place} are so skewed that distances may be late by tens of per cent "
+            "there; rows or columns should follow the direction in which lengths are short",
+            SkewWarning,
+            stacklevel=4,
+        )
     if converged:
         return
     text = (

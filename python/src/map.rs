@@ -58,6 +58,7 @@ pub fn report(report: &Report) -> ReportItems {
             tolerance: report.tolerance, converged: report.converged,
             solve_seconds: report.solve_time.as_secs_f64(), points: report.points,
             reached: report.reached, max_distance: report.max_distance,
+            unresolved: report.unresolved.map(|of| (of.row, of.col)),
         }
         items
     })

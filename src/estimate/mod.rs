@@ -81,7 +81,8 @@ use crate::{DistanceMap, Error};
 ///
 /// # Errors
 /// The errors of [`distance_map`](crate::distance_map). Where coarser grids are compared, it is also an error
-/// if a side of the grid has two points or both sides have one, if no point near a source is left on the
+/// if cells are too skewed for updates ([`Surface::unresolved`]), if a side of the grid has two points or both sides have
+/// one, if no point near a source is left on the
 /// coarser grid, or if the seams of a glued surface do not meet on that grid ([`Surface::coarsened`]).
 pub fn estimate_error(
     surface: &Surface,
@@ -119,6 +120,9 @@ fn estimate<R: Precision>(
     // This comes first, since a surface that is too small needs no map.
     let coarse = surface.coarsened(&grid_points(surface, sources))?;
     let map = in_precision::<R>(surface, sources, options, None)?;
+    if let Some(unresolved) = map.report.unresolved {
+        return Err(Error::Unresolved(unresolved));
+    }
     // All grids use one engine, since their differences are the estimate.
     // Targets are points of the finest grid, so the other grids are solved without targets.
     let engine = options.engine.as_for(&map.report);

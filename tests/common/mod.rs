@@ -7,6 +7,7 @@ mod cases;
 pub mod closed;
 mod devices;
 pub mod earth;
+pub mod fibres;
 mod irregular;
 pub mod parts;
 pub mod sheets;

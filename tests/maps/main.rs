@@ -23,6 +23,7 @@ mod directions;
 mod double_precision;
 mod engines;
 mod estimate;
+mod fibres;
 mod floor_plan_twins;
 #[cfg(feature = "formats")]
 mod formats;

@@ -16,6 +16,7 @@ use geosweep::{
 };
 
 use crate::common::*;
+use crate::tile_lanes::FIBRES;
 
 /// Largest difference between engines. Both stop when nothing falls by more than 1e-6 in an iteration, and
 /// measure edges in different precision. The bound is ten times that tolerance.
@@ -264,9 +265,12 @@ pub fn assert_schedule_twins(
 fn every_iteration_of_the_shader_is_one_of_its_twin() {
     let mut solver = vulkan_solver();
     let (maze, holes) = (Builtin::Maze.surface(101, 120).unwrap(), rough(64, 81, 4));
-    for (surface, source) in
-        [(&maze, (0, 0)), (&rough(75, 62, 0), (50, 13)), (&holes, some_point(&holes))]
-    {
+    for (surface, source) in [
+        (&maze, (0, 0)),
+        (&rough(75, 62, 0), (50, 13)),
+        (&holes, some_point(&holes)),
+        (&FIBRES.by_positions(), (25, 30)),
+    ] {
         assert_schedule_twins(&mut solver, surface, source, Schedule::Raster, 1..=3);
     }
 }
@@ -280,6 +284,7 @@ fn every_round_is_one_of_its_twin() {
         (slowed(40, 53, 30), (20, 27)),
         (rough(49, 38, 0), (31, 13)),
         (rough(1, 40, 0), (0, 39)),
+        (FIBRES.by_metric(), (25, 30)),
     ] {
         let solver = &mut solver;
         let source = if surface.has(source.0, source.1) { source } else { some_point(&surface) };

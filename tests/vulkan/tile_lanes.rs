@@ -6,6 +6,7 @@ use geosweep::surface::{Seed, Surface};
 use geosweep::vulkan::{HeadlessSolution, HeadlessSolver, Method, Schedule, TileLanes, Tuning};
 use geosweep::{Sources, Spacing, Stop, Wavefront};
 
+use crate::common::fibres::Fibres;
 use crate::common::*;
 use crate::headless::{assert_schedule_twins, is_processor};
 
@@ -41,7 +42,11 @@ impl Problem {
     }
 }
 
-/// Returns problems with holes, obtuse triangles, an uneven slowness, fronts of several origins, and anchors. No side
+/// A field on which points up to 16 rows and columns away split triangles.
+pub const FIBRES: Fibres =
+    Fibres { rows: 49, cols: 62, ratio: 21.0, amplitude: 4.0, is_transposed: false };
+
+/// Returns problems with holes, obtuse triangles near and far, an uneven slowness, fronts of several origins, and anchors. No side
 /// of a grid is a multiple of a tile's side.
 pub fn problems() -> Vec<Problem> {
     use Wavefront::{Anchored, Circular, Curved, Planar};
@@ -56,6 +61,7 @@ pub fn problems() -> Vec<Problem> {
         Problem::new("holes", holes.clone(), &middle(&holes), &[Planar, Curved]),
         Problem::new("slowness", slowed.clone(), &middle(&slowed), &[Planar, Curved]),
         Problem::new("origins", plane, &several, &[Curved]),
+        Problem::new("fibres", FIBRES.by_metric(), &Sources::point(25.0, 30.0), &[Planar, Curved]),
         Problem::new("anchors", maze, &Sources::point(0.0, 0.0), &[Anchored, Planar]),
     ]
 }

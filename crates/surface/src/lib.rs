@@ -91,6 +91,7 @@ pub use real::{FAR, LONGEST_EDGE, Real, SHORTEST_EDGE};
 pub use real::{max, min, relative_change};
 pub use resolution::Resolution;
 pub use seams::Seam;
+pub use skewed_cells::Unresolved;
 #[doc(hidden)]
 pub use sources::Origins;
 #[doc(hidden)]

@@ -4,7 +4,7 @@ use std::fmt;
 use std::time::Duration;
 
 use crate::update::Wavefront;
-use crate::{Chart, Real, Resolution, Seam};
+use crate::{Chart, Real, Resolution, Seam, Unresolved};
 
 /// Geodesic distances from the sources to every grid point, in single precision or in double precision
 /// (`geosweep::distance_map_f64`).
@@ -93,6 +93,9 @@ pub struct Report {
     /// normals turn by tens of degrees from point to point, distances are those of a polyhedron. `None` over
     /// a metric.
     pub resolution: Option<Resolution>,
+    /// Where the cells are too skewed for updates ([`crate::Surface::unresolved`]), if anywhere. Distances there may be
+    /// late by tens of per cent.
+    pub unresolved: Option<Unresolved>,
 }
 
 impl Report {
@@ -116,6 +119,7 @@ impl Report {
             ends_at: None,
             seams: Vec::new(),
             resolution: None,
+            unresolved: None,
         }
     }
 }

@@ -1,13 +1,51 @@
 //! Measures how skewed cells are: how far away the points lie that split the obtuse triangles in them.
 
+use std::cmp::Reverse;
+
 use glam::DVec2;
 use rayon::prelude::*;
 
 use super::obtuse::reach::splits_within;
 use super::{Direction, Surface};
-use crate::constants::LOOKS;
+use crate::constants::{FARTHEST_SPLIT, LOOKS, SPLIT_REACH};
+
+/// A place of a surface whose cells are so skewed that updates do not see all points from which fronts arrive there. A
+/// map may be late by tens of per cent around it. The grid resolves such a surface if its rows or columns follow the
+/// direction in which lengths are short.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "around row {row}, column {col}, cells are so skewed that fronts arrive from points {needed} rows or columns away; \
+     updates look for points up to {seen} away"
+)]
+pub struct Unresolved {
+    /// Row of the point.
+    pub row: usize,
+    /// Column of the point.
+    pub col: usize,
+    /// Distance of the points from which fronts arrive, in rows and columns.
+    pub needed: usize,
+    /// Distance up to which updates look for such points.
+    pub seen: usize,
+}
+
+/// Limit of the squares of a triangle's sides for which any obtuse angle counts, but for rounding. Engines split triangles
+/// only where the angle is clearly obtuse.
+const EXACTLY: f64 = 1.0 - 1e-6;
 
 impl Surface {
+    /// Returns the place whose cells are skewed most, if that is too much for updates: if the axes of the metric have a
+    /// ratio above 30, not along rows or columns, or above about 10 on a glued surface. It looks at some thousands of
+    /// points. The result is `None` if all cells are alike, since fronts then keep their origin.
+    pub fn unresolved(&self) -> Option<Unresolved> {
+        let seen = if self.is_glued() { SPLIT_REACH } else { FARTHEST_SPLIT } as usize;
+        let (row, col, needed) = self
+            .samples()
+            .map(|(row, col)| (row, col, self.skew_at((row, col))))
+            .max_by_key(|&(row, col, needed)| (needed, Reverse((row, col))))?;
+        let is_far = needed > seen && !self.has_even_cells();
+        is_far.then_some(Unresolved { row, col, needed, seen })
+    }
+
     /// Returns the distance in rows and columns of the farthest point that splits an obtuse triangle of some point in or
     /// beside the cell of a place, if the metric there were that of the triangle. The result is at least 1.
     ///
@@ -23,12 +61,17 @@ impl Surface {
     /// columns away. It looks at some thousands of points.
     #[doc(hidden)]
     pub fn has_skewed_cells(&self, most: usize) -> bool {
+        self.samples().any(|at| self.skew_at(at) > most)
+    }
+
+    /// Returns some thousands of points, evenly spread.
+    fn samples(&self) -> impl ParallelIterator<Item = (usize, usize)> {
         let step = |points: usize| points.div_ceil(LOOKS as usize).max(1);
-        let (rows, cols) = (self.rows(), self.cols());
-        (0..rows).into_par_iter().step_by(step(rows)).any(|row| {
-            // Cells may differ from the first to the last, so the points lie at other columns in each row.
+        let [rows, cols] = [self.rows(), self.cols()];
+        (0..rows).into_par_iter().step_by(step(rows)).flat_map_iter(move |row| {
+            // The points lie at other columns in each row, so that they meet features along columns too.
             let first = row / step(rows) % step(cols);
-            (first..cols).step_by(step(cols)).any(|col| self.skew_at((row, col)) > most)
+            (first..cols).step_by(step(cols)).map(move |col| (row, col))
         })
     }
 
@@ -42,7 +85,7 @@ impl Surface {
         let reach = |[(a, end_a, length_a), (b, end_b, length_b)]: [_; 2]| {
             let base: f64 = self.length_on_surface(end_a, end_b);
             let squares = [length_a, length_b, base].map(|length: f64| length * length);
-            splits_within([a, b].map(Direction::vector), squares)
+            splits_within([a, b].map(Direction::vector), squares, EXACTLY)
         };
         triangles.map(reach).max().unwrap_or(1)
     }
@@ -100,7 +143,8 @@ mod tests {
         let heights = |from: usize| {
             let height = move |k: usize| {
                 let (row, col) = (k / cols, k % cols);
-                if (from..from + 40).contains(&row) { 9.0 * (col + row) as f64 } else { 0.0 }
+                let slope = 9.0 * (col as f64 + 0.4 * row as f64);
+                if (from..from + 40).contains(&row) { slope } else { 0.0 }
             };
             let heights = (0..rows * cols).map(height).collect();
             Surface::from_heights(rows, cols, heights, Spacing::square(1.0)).unwrap()
@@ -111,5 +155,16 @@ mod tests {
             assert!(surface.skew_around(DVec2::new(from as f64 + 20.0, 7.5)) > 1);
             assert_eq!(surface.skew_around(DVec2::new(190.0, 7.5)), 1);
         }
+    }
+
+    #[test]
+    fn places_are_unresolved_where_a_turning_metric_needs_points_far_away() {
+        let turning = |ratio: f64| metric(ratio, |index| 0.5 + 0.02 * index).unresolved();
+        assert_eq!([1.0, 5.0, 15.0, 30.0].map(turning), [None; 4]);
+        let found = turning(100.0).unwrap();
+        assert!(found.needed > found.seen && found.row < 4 && found.col < 5, "{found:?}");
+        assert!(found.to_string().contains(&format!("row {}, column {}", found.row, found.col)));
+        // Cells that are all alike have straight lines.
+        assert_eq!(metric(100.0, |_| 0.6).unresolved(), None);
     }
 }

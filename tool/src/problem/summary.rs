@@ -34,6 +34,7 @@ pub struct MapSummary<'a, R = f32> {
     farthest: Option<[usize; 2]>,
     seams: Vec<String>,
     sharp_edges: Option<f64>,
+    unresolved: Option<[usize; 2]>,
 }
 
 /// The report in the precision in which the map was computed.
@@ -92,6 +93,7 @@ impl<'a, R: Number> MapSummary<'a, R> {
                 .map(|point| [point.row, point.col]),
             seams: report.seams.iter().map(Seam::to_string).collect(),
             sharp_edges: report.resolution.map(|resolution| resolution.sharp_edges),
+            unresolved: report.unresolved.map(|of| [of.row, of.col]),
         }
     }
 }

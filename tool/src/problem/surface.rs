@@ -289,8 +289,15 @@ const EARTH: &str = "heights are taken as those above the ellipsoid WGS 84; heig
 const ELSEWHERE: &str = "heights are taken as those above the ellipsoid. Maps are in double precision by default, since \
                          thin cells near the poles cost digits";
 
-/// Prints a warning if the surface turns too far from point to point to be smooth, with a likely cause.
+/// Prints a warning if the cells are too skewed for updates, and one if the surface turns too far from point to point to
+/// be smooth, with a likely cause.
 fn warn_of_resolution(surface: &Surface, args: &SurfaceArgs) {
+    if let Some(unresolved) = surface.unresolved() {
+        warning!(
+            "{unresolved}. Distances may be late by tens of per cent there, unless rows or columns follow the direction \
+             in which lengths are short"
+        );
+    }
     let Some(Resolution { sharp_edges, .. }) = surface.resolution() else { return };
     if sharp_edges <= MOST_SHARP {
         return;

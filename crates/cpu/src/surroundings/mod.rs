@@ -85,9 +85,16 @@ pub fn seeds_for(wavefront: Wavefront, surface: &Surface, seeds: Vec<Seed>) -> V
 }
 
 /// Returns the seeds, and for each source inside a cell the fronts in its surroundings, as further seeds. Each point
-/// has only its earliest seed. The order is row-major.
-fn with_surroundings(wavefront: Wavefront, surface: &Surface, seeds: Vec<Seed>) -> Vec<Seed> {
-    let around: Vec<_> = if let Some(around) = among_obtuse_triangles(wavefront, surface, &seeds) {
+/// has only its earliest seed. The order is row-major. Surfaces of at least `least` points have surroundings around a
+/// lone source among obtuse triangles too.
+fn with_surroundings(
+    wavefront: Wavefront,
+    surface: &Surface,
+    seeds: Vec<Seed>,
+    least: usize,
+) -> Vec<Seed> {
+    let among_obtuse = among_obtuse_triangles(wavefront, surface, &seeds, least);
+    let around: Vec<_> = if let Some(around) = among_obtuse {
         around
     } else {
         let by_source = by_source(&seeds);
@@ -121,7 +128,8 @@ fn with_origins(wavefront: Wavefront, surface: &Surface, mut seeds: Vec<Seed>) -
     let has_lines = needs_lines && surface.has_even_cells();
     if has_lines && wavefront.is_curved() {
         let further = along_sight_lines(surface, &seeds);
-        let around = with_surroundings(wavefront, surface, seeds);
+        // Fronts that keep their origin are exact in skewed cells.
+        let around = with_surroundings(wavefront, surface, seeds, LEAST_AMONG_OBTUSE);
         return Seed::earliest(around.into_iter().chain(further));
     }
     let exact = around_clusters(wavefront, surface, &seeds);
@@ -132,7 +140,7 @@ fn with_origins(wavefront: Wavefront, surface: &Surface, mut seeds: Vec<Seed>) -
         exact.iter().map(|seed| ((seed.row, seed.col), seed.time)).collect();
     let mut all = match in_long_cells {
         Some(around) => Seed::earliest(seeds.into_iter().chain(around)),
-        None => with_surroundings(wavefront, surface, seeds),
+        None => with_surroundings(wavefront, surface, seeds, 0),
     };
     all.retain(|seed| {
         let time = is_exact.get(&(seed.row, seed.col));
@@ -163,12 +171,13 @@ fn grouped(seeds: impl IntoIterator<Item = (DVec2, Seed)>) -> Vec<(DVec2, Vec<Se
     found.into_values().collect()
 }
 
-/// Returns the fronts in the surroundings of a lone source on a large grid, as seeds, if some triangles around the
-/// source are obtuse.
+/// Returns the fronts in the surroundings of a lone source, as seeds, if some triangles around the source are obtuse. The
+/// grid is large, or the cells at the source are skewed, and it has at least `least` points.
 fn among_obtuse_triangles(
     wavefront: Wavefront,
     surface: &Surface,
     seeds: &[Seed],
+    least: usize,
 ) -> Option<Vec<Seed>> {
     let origin = |seed: &Seed| seed.from.unwrap_or(seed.place());
     let source = origin(seeds.first()?);
@@ -176,8 +185,9 @@ fn among_obtuse_triangles(
     if !is_lone {
         return None;
     }
-    let is_large = surface.chart().points() >= LEAST_AMONG_OBTUSE;
-    if !is_large && surface.skew_around(source) == 1 {
+    let points = surface.chart().points();
+    let is_large = points >= LEAST_AMONG_OBTUSE;
+    if points < least || !is_large && surface.skew_around(source) == 1 {
         return None;
     }
     let surroundings = Surroundings::new(surface, source, [REACH_AMONG_OBTUSE; 2]);

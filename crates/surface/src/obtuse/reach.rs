@@ -42,12 +42,12 @@ fn reduced(steps: [DVec2; 2], squares: [f64; 3]) -> [DVec2; 3] {
 }
 
 /// Returns the largest distance, in rows and columns, of the points that split a triangle at x0, if the metric around it
-/// is that of the triangle. Returns 1 if the triangle is not obtuse. `steps` and `squares` are those of [`reduced`].
-pub(crate) fn splits_within<R: Real>(steps: [DVec2; 2], squares: [R; 3]) -> usize {
+/// is that of the triangle. Returns 1 if the triangle is not obtuse: if the squares of the sides at x0 add up to more
+/// than `limit` times that of the base. `steps` and `squares` are those of [`reduced`].
+pub(crate) fn splits_within<R: Real>(steps: [DVec2; 2], squares: [R; 3], limit: f64) -> usize {
     let [a, b, base] = squares;
     let is_there = max(a, max(b, base)) < R::FAR * R::FAR;
-    // The limit errs towards too many triangles, to allow for rounding.
-    if !is_there || a + b >= R::of(1.001 * OBTUSE) * base {
+    if !is_there || a + b >= R::of(limit) * base {
         return 1;
     }
     let all = reduced(steps, squares.map(Real::wide));
@@ -58,7 +58,8 @@ pub(crate) fn splits_within<R: Real>(steps: [DVec2; 2], squares: [R; 3]) -> usiz
 /// known of most triangles.
 pub(crate) fn reach<R: Real>(steps: [DVec2; 2], squares: [R; 3]) -> usize {
     let [a, b, base] = squares;
-    if may_reach_far(a, b, base) { splits_within(steps, squares) } else { 1 }
+    // The limit errs towards too many triangles, to allow for rounding.
+    if may_reach_far(a, b, base) { splits_within(steps, squares, 1.001 * OBTUSE) } else { 1 }
 }
 
 /// Returns the distance in rows and columns from which updates read points, on a surface with obtuse triangles whose
