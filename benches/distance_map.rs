@@ -34,7 +34,10 @@ fn distance_map(c: &mut Criterion) {
                     b.iter(|| cpu::rotated_scan(&edges, &seeds, wavefront, STOP));
                 });
                 group.bench_function(BenchmarkId::new("fast marching", wavefront), |b| {
-                    b.iter(|| cpu::fast_marching(&edges, &seeds, wavefront));
+                    b.iter(|| {
+                        let order = cpu::Order::Times;
+                        cpu::RotatedScan::in_order(&edges, wavefront, order).solve(&seeds, STOP)
+                    });
                 });
                 let Some(solver) = &mut solver else { continue };
                 let mut on_device = solver.upload(&surface).expect("the grid fits the device");

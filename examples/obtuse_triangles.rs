@@ -1,14 +1,12 @@
-//! Measures the gain from splitting obtuse triangles: the tables of `docs/obtuse-triangles.md`.
+//! Measures errors over obtuse triangles, which are split: the tables of `docs/obtuse-triangles.md`.
 //!
 //!     cargo run --release --example obtuse_triangles
 //!
 //! The surface is a plane sheared by an angle, x = u + v tan(angle), y = v, whose exact distances are the
 //! lengths of straight lines. Beyond 45 degrees, two of the eight triangles around a point are obtuse.
 
-use std::time::{Duration, Instant};
-
 use geosweep::Stop;
-use geosweep::cpu::{self, Connections};
+use geosweep::cpu;
 use geosweep::glam::DVec2;
 use geosweep::surface::EdgeLengths;
 use geosweep::surface::builtin::Builtin;
@@ -21,8 +19,6 @@ fn main() {
         println!("### The raster scans, {points} x {points} points\n");
         engine_table(points);
     }
-    println!("### Fast marching with split triangles, 257 x 257 points\n");
-    fast_marching_table(257);
 }
 
 /// Returns the mean and the largest relative error.
@@ -72,41 +68,6 @@ fn engine_table(points: usize) {
         println!("|");
     }
     println!();
-}
-
-/// Prints mean errors and times of fast marching in single precision, with the [`Connections`] to eight neighbours
-/// and with those of split triangles.
-fn fast_marching_table(points: usize) {
-    println!(
-        "| shear | planar: mean, 8 | split | circular: mean, 8 | split | ms, 8 | split | ms to split |"
-    );
-    println!("|---:|---:|---:|---:|---:|---:|---:|---:|");
-    for degrees in ANGLES {
-        let builtin = Builtin::ShearedPlane { degrees };
-        let surface = builtin.surface(points, points).unwrap();
-        let edges = EdgeLengths::<f32>::new(&surface).unwrap();
-        let from = source(points).map(|x| x as f64);
-        let exact = builtin.exact_distances(points, points, from).unwrap();
-        let seeds = Sources::point(from[0], from[1]).seeds(&surface).unwrap();
-        let start = Instant::now();
-        let split = Connections::split(&surface).unwrap();
-        let splitting = start.elapsed();
-        let eight = Connections::eight(surface.chart());
-        print!("| {degrees} ");
-        let mut times = [Duration::ZERO; 2];
-        for wavefront in [Wavefront::Planar, Wavefront::Circular] {
-            times = [&eight, &split].map(|connections| {
-                let start = Instant::now();
-                let map = cpu::fast_marching_with(&edges, connections, &seeds, wavefront);
-                let time = start.elapsed();
-                let map: Vec<_> = map.distances().into_iter().map(f64::from).collect();
-                print!("| {:.1e} ", errors(&map, &exact).0);
-                time
-            });
-        }
-        print!("| {} | {} ", times[0].as_millis(), times[1].as_millis());
-        println!("| {} |", splitting.as_millis());
-    }
 }
 
 /// Returns the largest of the eight angles around a point of the plane, in degrees.

@@ -18,12 +18,11 @@ pub enum Engine {
     /// A Vulkan device. It is an error if none can be used.
     #[cfg(feature = "vulkan")]
     Vulkan(DeviceChoice),
-    /// Rotated raster scans on the CPU.
+    /// The CPU, by rotated raster scans or in the order of time, whichever is faster ([`crate::cpu::Order`]).
     Cpu,
-    /// Fast marching on the CPU, the sequential reference for the planar front. Obtuse triangles are split.
-    /// With other fronts it can err by several per cent where triangles are obtuse, for two reasons: it fixes
-    /// each point's value only once, and where a triangle is split, the curvature of a front is that of flat
-    /// space instead of the surface.
+    /// Fast marching on the CPU: points one after another, in the order in which fronts reach them
+    /// ([`crate::cpu::Order::Times`]), whatever is faster. Its map is that of [`Self::Cpu`], up to rounding. Anchored
+    /// fronts are scanned. By default its fronts are planar.
     FastMarching,
 }
 

@@ -2,9 +2,9 @@
 
 use std::sync::{Mutex, OnceLock, PoisonError};
 
-use crate::cpu::RotatedScan;
+use crate::cpu::{Order, RotatedScan};
 use crate::solve::{Precision, in_precision};
-use crate::surface::{Resolution, Seam, Sources, Surface, Unresolved};
+use crate::surface::{Seam, Sources, Surface};
 use crate::update::{SourceKind, Wavefront};
 use crate::{DistanceMap, Engine, Error, Options};
 
@@ -31,8 +31,6 @@ pub struct MapSolver {
     single: Waiting<f32>,
     double: Waiting<f64>,
     seams: OnceLock<Vec<Seam>>,
-    resolution: OnceLock<Option<Resolution>>,
-    unresolved: OnceLock<Option<Unresolved>>,
     /// Kinds of fronts that were chosen before, for what was asked.
     wavefronts: Mutex<Vec<(Asked, Wavefront)>>,
 }
@@ -48,6 +46,8 @@ pub(crate) struct Waiting<R>(Mutex<Vec<Kept<R>>>);
 #[derive(Debug)]
 struct Kept<R> {
     wavefront: Wavefront,
+    /// The order that was asked for.
+    order: Option<Order>,
     threads: usize,
     solver: RotatedScan<R>,
 }
@@ -62,8 +62,8 @@ impl MapSolver {
     /// Makes a solver, which measures the surface for its first map.
     pub fn new(surface: Surface) -> Self {
         let (single, double) = (Waiting(Mutex::default()), Waiting(Mutex::default()));
-        let (seams, resolution, unresolved, wavefronts) = Default::default();
-        Self { surface, single, double, seams, resolution, unresolved, wavefronts }
+        let (seams, wavefronts) = Default::default();
+        Self { surface, single, double, seams, wavefronts }
     }
 
     /// Returns the surface.
@@ -103,14 +103,6 @@ impl MapSolver {
         self.seams.get_or_init(|| self.surface.seams())
     }
 
-    pub(crate) fn resolution(&self) -> Option<Resolution> {
-        *self.resolution.get_or_init(|| self.surface.resolution())
-    }
-
-    pub(crate) fn unresolved(&self) -> Option<Unresolved> {
-        *self.unresolved.get_or_init(|| self.surface.unresolved())
-    }
-
     /// Returns the kind of front for a map.
     pub(crate) fn wavefront(
         &self,
@@ -136,21 +128,32 @@ impl MapSolver {
         Ok(wavefront)
     }
 
-    /// Takes a solver for this kind of front, if one waits.
-    pub(crate) fn take<R: Precision>(&self, wavefront: Wavefront) -> Option<RotatedScan<R>> {
+    /// Takes a solver for this kind of front and order, if one waits.
+    pub(crate) fn take<R: Precision>(
+        &self,
+        wavefront: Wavefront,
+        order: Option<Order>,
+    ) -> Option<RotatedScan<R>> {
         let threads = rayon::current_num_threads();
         let mut kept = R::waiting(self).0.lock().unwrap_or_else(PoisonError::into_inner);
-        let suits = |kept: &Kept<R>| (kept.wavefront, kept.threads) == (wavefront, threads);
+        let suits = |kept: &Kept<R>| {
+            (kept.wavefront, kept.order, kept.threads) == (wavefront, order, threads)
+        };
         let index = kept.iter().position(suits)?;
         Some(kept.swap_remove(index).solver)
     }
 
     /// Keeps a solver for the next map.
-    pub(crate) fn keep<R: Precision>(&self, wavefront: Wavefront, solver: RotatedScan<R>) {
+    pub(crate) fn keep<R: Precision>(
+        &self,
+        wavefront: Wavefront,
+        order: Option<Order>,
+        solver: RotatedScan<R>,
+    ) {
         let threads = rayon::current_num_threads();
         let mut kept = R::waiting(self).0.lock().unwrap_or_else(PoisonError::into_inner);
         let most = if self.surface.chart().points() > SMALL { 1 } else { MOST };
-        kept.push(Kept { wavefront, threads, solver });
+        kept.push(Kept { wavefront, order, threads, solver });
         let surplus = kept.len().saturating_sub(most);
         // Solvers that have waited longest are dropped after the lock.
         let dropped: Vec<_> = kept.drain(..surplus).collect();

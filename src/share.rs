@@ -21,6 +21,9 @@ pub(crate) fn share(
     time: f64,
     targets: Option<&Targets>,
 ) -> f64 {
+    if targets.is_none() && !time.is_finite() {
+        return 1.0;
+    }
     let (Some(of_row), Some(of_col)) =
         (typical(surface, Direction::South), typical(surface, Direction::East))
     else {

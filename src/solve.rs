@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use rayon::prelude::*;
 
 use crate::Stop;
-use crate::cpu::{self, Connections, Limit, seeds_for};
+use crate::cpu::{Order, RotatedScan, seeds_for};
 use crate::map_solver::{MapSolver, Waiting};
 use crate::options::Options;
 use crate::surface::{EdgeLengths, Groups, Real, Seed, SolverGrid, Sources, Surface, min};
@@ -105,7 +105,7 @@ impl Precision for f32 {
                 problem.finished(problem.solve_on_vulkan(&DeviceChoice::Any)?)
             }
             Engine::Cpu => problem.solve_on_cpu(),
-            Engine::FastMarching => problem.solve_by_fast_marching(),
+            Engine::FastMarching => problem.solve_in_order_of_time(),
             #[cfg(feature = "vulkan")]
             Engine::Vulkan(choice) => problem.finished(problem.solve_on_vulkan(choice)?),
             #[cfg(feature = "vulkan")]
@@ -134,7 +134,7 @@ impl Precision for f64 {
                 Ok(problem.solve_on_cpu()?.because(reason))
             }
             Engine::Cpu => problem.solve_on_cpu(),
-            Engine::FastMarching => problem.solve_by_fast_marching(),
+            Engine::FastMarching => problem.solve_in_order_of_time(),
         }
     }
 }
@@ -245,13 +245,27 @@ impl<'a> Problem<'a> {
     }
 
     pub fn solve_on_cpu<R: Precision>(&self) -> Result<DistanceMap<R>, Error> {
-        let (start, mut solver) = match self.solver.and_then(|all| all.take::<R>(self.wavefront)) {
+        self.solve_in(None)
+    }
+
+    fn solve_in_order_of_time<R: Precision>(&self) -> Result<DistanceMap<R>, Error> {
+        self.solve_in(Some(Order::Times))
+    }
+
+    /// Solves on the CPU in a given order, or in the best one.
+    fn solve_in<R: Precision>(&self, order: Option<Order>) -> Result<DistanceMap<R>, Error> {
+        let kept = self.solver.and_then(|all| all.take::<R>(self.wavefront, order));
+        let (start, mut solver) = match kept {
             Some(solver) => (Instant::now(), solver),
             None => {
                 let edges = EdgeLengths::<R>::measured(self.grid.surface(), || {
                     Ok::<_, Error>(self.monitor.check()?)
                 })?;
-                (Instant::now(), cpu::RotatedScan::new(&edges, self.wavefront))
+                let solver = match order {
+                    Some(order) => RotatedScan::in_order(&edges, self.wavefront, order),
+                    None => RotatedScan::new(&edges, self.wavefront),
+                };
+                (Instant::now(), solver)
             }
         };
         solver = solver.with_monitor(self.monitor.clone());
@@ -271,29 +285,17 @@ impl<'a> Problem<'a> {
             }
             Some(all) => {
                 let distances = solver.distances();
-                all.keep(self.wavefront, solver);
+                all.keep(self.wavefront, order, solver);
                 distances
             }
         };
-        let mut report = self.report(UsedEngine::Cpu, schedule, time);
+        let engine = match order {
+            Some(Order::Times) => UsedEngine::FastMarching,
+            _ => UsedEngine::Cpu,
+        };
+        let mut report = self.report(engine, schedule, time);
         (report.iterations, report.residual) = (convergence.iterations, convergence.residual);
         Ok(self.finish(distances, report))
-    }
-
-    fn solve_by_fast_marching<R: Real>(&self) -> Result<DistanceMap<R>, Error> {
-        let edges = EdgeLengths::<R>::new(self.grid.surface())?;
-        let split = Connections::split(self.grid.surface())?;
-        let start = Instant::now();
-        let time = self.time_limit();
-        let limit = match &self.targets {
-            Some(targets) => Limit::to(targets, time),
-            None => Limit::at(time),
-        };
-        let solution = cpu::limited_march(&edges, &split, &self.seeds, self.wavefront, limit);
-        let time = start.elapsed();
-        let mut report = self.report(UsedEngine::FastMarching, "heap", time);
-        report.iterations = 1;
-        Ok(self.finish(solution.distances(), report))
     }
 
     pub fn report(
@@ -311,14 +313,8 @@ impl<'a> Problem<'a> {
             Some(solver) => solver.seams().to_vec(),
             None => self.surface.seams(),
         };
-        report.resolution = match self.solver {
-            Some(solver) => solver.resolution(),
-            None => self.surface.resolution(),
-        };
-        report.unresolved = match self.solver {
-            Some(solver) => solver.unresolved(),
-            None => self.surface.unresolved(),
-        };
+        report.resolution = self.surface.resolution();
+        report.unresolved = self.surface.unresolved();
         report
     }
 

@@ -11,8 +11,8 @@ vec4 jump_of(vec4 a, vec4 b, vec4 c) {
 // Returns where the slownesses at the corners of a triangle differ so much that a single step does not find the place
 // where the ray crosses the base.
 bvec4 are_uneven(vec4 s0, vec4 s1, vec4 s2) {
-    vec4 even = EVEN_CORNERS * (s1 + s2);
-    return either(greaterThan(abs(s2 - s1), even), greaterThan(abs(s0 - s1), even));
+    vec4 range = max(max(s1, s2), s0) - min(min(s1, s2), s0);
+    return greaterThan(range, EVEN_CORNERS * (s1 + s2));
 }
 
 // Returns the shape of a triangle on the surface from the costs of its edges. `of_side` and `of_other` are the mean

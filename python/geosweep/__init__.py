@@ -14,8 +14,8 @@ from ._map import DistanceMap, LogMap
 from ._matrix import CanonicalForm, canonical_form, pairwise
 from ._pairs import pairs
 from ._results import Basis, Curves, Path, Ridge, Voronoi
-from ._sources import Lines
-from ._surface import Device, Surface, devices, distance, route
+from ._sources import LevelSet, Lines
+from ._surface import Device, Surface, devices, distance, route, travel_time
 from ._warnings import (
     ConvergenceError,
     ConvergenceWarning,
@@ -34,6 +34,7 @@ __all__ = [
     "Device",
     "DistanceMap",
     "HostCopyWarning",
+    "LevelSet",
     "Lines",
     "LogMap",
     "Path",
@@ -50,6 +51,7 @@ __all__ = [
     "pairs",
     "pairwise",
     "route",
+    "travel_time",
 ]
 
 

@@ -28,7 +28,7 @@ class Inputs:
         points, slow = self._points(shape), self._slow(shape)
         if slow is not None:
             walls = ~np.isfinite(slow)
-            if (slow[~walls] == 1).all():
+            if ((slow == 1) | walls).all():
                 # Such a slowness weights nothing. Without it, fronts over floor plans are exact.
                 return ~walls if points is None else points & ~walls, None
         return points, slow

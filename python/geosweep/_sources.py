@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from . import _geosweep
 from ._arrays import Floats, flags, given, is_number, numbers
 from ._settings import Settings
 
@@ -35,6 +36,34 @@ class Lines:
     starts: ArrayLike = 0.0
 
 
+@dataclass(frozen=True, eq=False)
+class LevelSet:
+    """The zero of a function, to both sides of which fronts start.
+
+    It is a curve between grid points, of second order where the function is smooth. scikit-fmm
+    starts its fronts in this way.
+
+    Parameters
+    ----------
+    phi
+        Values (M, N). Masked values and NaN are unknown: nothing starts beside them.
+
+    Examples
+    --------
+    >>> import numpy as np, geosweep as gs
+    >>> row, col = np.mgrid[:65, :65]
+    >>> circle = gs.LevelSet(np.hypot(row - 32, col - 32) - 20.0)
+    >>> round(gs.Surface.from_heights(np.zeros((65, 65))).solve(circle).distance[32, 32].item(), 1)
+    20.0
+    """
+
+    phi: ArrayLike
+
+    def values(self) -> Floats:
+        """Return the values, NaN where they are unknown."""
+        return numbers("phi", self.phi, np.nan)
+
+
 @dataclass(frozen=True)
 class Placed:
     """Points (n, 3) and lines, as the compiled part takes them.
@@ -55,7 +84,7 @@ class Placed:
         return len(self.points) + len(self.lines) if self.rows is None else self.count
 
 
-Source = ArrayLike | Lines | Placed
+Source = ArrayLike | Lines | LevelSet | Placed
 Native = tuple[Floats, list[tuple[Floats, float]]]
 # Points, lines, options, and whether a map is in double precision, as the compiled part takes them.
 Problem = tuple[Floats, list[tuple[Floats, float]], Settings, bool]
@@ -65,13 +94,13 @@ ROW_COL = (("row",), ("col", "column"))
 _STARTS = ("start", "t0", "time", "start_value", "start_time", "initial")
 
 
-def native(source: Source, shape: tuple[int, int]) -> Native:
+def native(source: Source, surface: Any) -> Native:
     """Return points (n, 3) with starts, and lines with starts."""
-    found = placed(source, shape)
+    found = placed(source, surface)
     return found.points, found.lines
 
 
-def placed(source: Source, shape: tuple[int, int]) -> Placed:
+def placed(source: Source, surface: Any) -> Placed:
     """Return sources as the compiled part takes them, and the caller's numbers of them."""
     if isinstance(source, tuple) and len(source) in (2, 3) and all(map(is_number, source)):
         return Placed(np.array([(*source, 0.0)[:3]], dtype=np.float64))
@@ -84,6 +113,8 @@ def placed(source: Source, shape: tuple[int, int]) -> Placed:
                 raise ValueError(f"source: a line needs the shape (n, 2), not {line.shape}")
         starts = np.broadcast_to(numbers("source starts", source.starts), (len(lines),))
         return Placed(np.empty((0, 3)), list(zip(lines, starts.tolist(), strict=True)))
+    if isinstance(source, LevelSet):
+        return _zero_of(source, surface)
     refuse_apart(source)
     if is_frame(source):
         table = points_of(columns_of(source, ROW_COL, "rows and columns: row and col"))
@@ -94,7 +125,7 @@ def placed(source: Source, shape: tuple[int, int]) -> Placed:
             "source: geometries have x and y, and this surface has rows and columns; use the "
             "accessor da.geosweep of an array with coordinates, or give rows and columns"
         )
-    values = given("source", source)
+    values, shape = given("source", source), surface.shape
     if values.shape == shape and values.dtype.kind in "biu":
         cells = np.argwhere(flags("source", values)).astype(np.float64)
         if not len(cells):
@@ -109,6 +140,17 @@ def placed(source: Source, shape: tuple[int, int]) -> Placed:
             + ("; make a raster boolean: (source > 0)" if values.shape == shape else "")
         )
     return found
+
+
+def _zero_of(source: LevelSet, surface: Any) -> Placed:
+    """Return the points and lines at which a level set is zero, away from a surface's holes."""
+    phi = source.values()
+    if phi.shape != surface.shape:
+        raise ValueError(f"phi must have the grid's shape {surface.shape}, not {phi.shape}")
+    found, curves = _geosweep.level_set(np.where(surface.present, phi, np.nan))
+    points = np.zeros((len(found), 3))
+    points[:, :2] = np.reshape(found, (-1, 2))
+    return Placed(points, [(curve, 0.0) for curve in curves])
 
 
 def points_of(values: NDArray[Any]) -> Placed | None:
@@ -203,7 +245,7 @@ def on_surface(found: Placed, surface: Any, outside: str) -> Placed:
     or are moved to the nearest point of the surface ("snap").
     """
     points = found.points
-    there = _are_on(points[:, :2], surface)
+    there = surface.have_points(points[:, :2])
     if there.all():
         return found
     missed = np.flatnonzero(~there)
@@ -230,16 +272,3 @@ def on_surface(found: Placed, surface: Any, outside: str) -> Placed:
         apart = ((present - place) * steps) ** 2
         moved[index, :2] = present[apart.sum(axis=1).argmin()]
     return Placed(moved, found.lines, found.rows, found.count)
-
-
-def _are_on(places: Floats, surface: Any) -> NDArray[np.bool_]:
-    """Return whether each place (n, 2) lies on a surface."""
-    there = np.zeros(len(places), np.bool_)
-    inside = ((places >= 0) & (places <= np.subtract(surface.shape, 1))).all(axis=1)
-    whole = inside & (places == np.rint(places)).all(axis=1)
-    rows, cols = places[whole].astype(np.int64).T
-    there[whole] = surface.present[rows, cols]
-    between = inside & ~whole
-    if between.any():
-        there[between] = surface.have_points(np.ascontiguousarray(places[between]))
-    return there

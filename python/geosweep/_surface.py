@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from . import _geosweep
-from ._arrays import Floats, is_data_array, is_number, numbers
+from ._arrays import Floats, flags, is_data_array, is_number, numbers
 from ._inputs import Inputs
 from ._map import DistanceMap
 from ._settings import Engine, Wavefront, is_double, refuse, settings
-from ._sources import Source, labels_of, native, on_surface, placed
+from ._sources import LevelSet, Source, labels_of, native, on_surface, placed
 from ._warnings import SeamWarning, check
 
 Spacing = float | tuple[float, float]
@@ -301,9 +301,10 @@ class Surface:
         Parameters
         ----------
         source
-            (row, col); (n, 2); (n, 3) with start times; `Lines`; a table with columns row and col,
-            and perhaps start; or a boolean or integer raster (M, N), whose cells other than zero
-            and missing ones are sources. Rows of an array with a masked number are left out.
+            (row, col); (n, 2); (n, 3) with start times; `Lines`; a `LevelSet`; a table with columns
+            row and col, and perhaps start; or a boolean or integer raster (M, N), whose cells other
+            than zero and missing ones are sources. Rows of an array with a masked number are left
+            out.
         wavefront
             Front assumed inside a triangle.
         engine
@@ -345,7 +346,7 @@ class Surface:
         )
         if sources_outside not in ("refuse", "skip", "snap"):
             refuse("sources_outside", sources_outside, "'refuse', 'skip' or 'snap'")
-        sources = on_surface(placed(source, self.shape), self._surface, sources_outside)
+        sources = on_surface(placed(source, self._surface), self._surface, sources_outside)
         names = None if labels is None else labels_of(labels, source, sources, self.shape)
         problem = (sources.points, sources.lines, chosen, double)
         found = self._surface.solve(problem, progress)
@@ -367,7 +368,7 @@ class Surface:
         radius
             Largest distance of a point from the nearest sample or source.
         """
-        samples, radius = self._surface.farthest_points(*native(source, self.shape), count)
+        samples, radius = self._surface.farthest_points(*native(source, self._surface), count)
         return np.asarray(samples, dtype=np.int64).reshape(-1, 2), radius
 
 
@@ -462,7 +463,8 @@ def distance(
     )
     if sources_outside not in ("refuse", "skip", "snap"):
         refuse("sources_outside", sources_outside, "'refuse', 'skip' or 'snap'")
-    sources = on_surface(placed(source, surface.shape), surface._surface, sources_outside)
+    compiled = surface._surface
+    sources = on_surface(placed(source, compiled), compiled, sources_outside)
     problem = (sources.points, sources.lines, chosen, double)
     found, report = surface._surface.distances(problem, progress)
     check(report["converged"], report, strict)
@@ -470,6 +472,99 @@ def distance(
         return found
     np.copyto(out, found)
     return out
+
+
+def travel_time(
+    source: Source | None = None,
+    spacing: Spacing | None = None,
+    *,
+    phi: ArrayLike | None = None,
+    speed: ArrayLike | None = None,
+    slowness: ArrayLike | None = None,
+    mask: ArrayLike | None = None,
+    holes: ArrayLike | None = None,
+    glue: Glue | None = None,
+    wavefront: Wavefront = "auto",
+    dtype: DTypeLike = "float32",
+    radius: float | None = None,
+    targets: ArrayLike | None = None,
+    needed: int | None = None,
+    threads: int | None = None,
+    strict: bool = False,
+    progress: Progress | None = None,
+    out: NDArray[Any] | None = None,
+    sources_outside: Literal["refuse", "skip", "snap"] = "refuse",
+) -> NDArray[Any]:
+    """Compute the travel time (M, N) from the sources over a flat grid.
+
+    Parameters
+    ----------
+    source
+        As in `Surface.solve`.
+    spacing
+        Distance of rows and of columns, (dy, dx), or one number for both.
+    phi
+        Level set (M, N) in place of ``source``: fronts start where it is zero, to both sides, as in
+        scikit-fmm (`LevelSet`). Points at which it is masked or NaN are holes.
+    speed, slowness
+        One of both, (M, N). Zero speed, infinite slowness, NaN and masked values are walls.
+    mask, holes, glue, wavefront, dtype, radius, targets, needed, threads, strict, progress, out
+        As in `Surface.from_heights` and `Surface.solve`. For many maps of one grid make a
+        `Surface` with the slowness, and `Surface.solve`: it keeps its edges.
+    sources_outside
+        As in `Surface.solve`.
+
+    Returns
+    -------
+    Travel times in the unit of spacing over speed, inf where no source reaches. Times are positive
+    on both sides of a level set.
+
+    Examples
+    --------
+    >>> import numpy as np, geosweep as gs
+    >>> row, col = np.mgrid[:41, :61]
+    >>> speed = np.where(col < 30, 1.0, 2.0)
+    >>> time = gs.travel_time(phi=row - 10.5, speed=speed, spacing=0.5)
+    >>> round(time[20, 5].item(), 3), round(time[20, 50].item(), 3)
+    (4.75, 2.375)
+    """
+    field = slowness if speed is None else speed
+    if field is None:
+        raise ValueError("travel_time needs speed= or slowness=; distance() has neither")
+    if (source is None) == (phi is None):
+        raise ValueError("travel_time needs a source or phi=, a level set, and not both")
+    if phi is not None:
+        source = LevelSet(phi)
+    if isinstance(source, LevelSet):
+        unknown = np.isnan(source.values())
+        holes = unknown if holes is None else unknown | flags("holes", holes, missing=True)
+    assert source is not None
+    shape = np.shape(field)
+    if len(shape) != 2:
+        raise ValueError(f"speed and slowness must have the shape (M, N), not {shape}")
+    flat: Any = np.zeros(shape)
+    if is_data_array(field):
+        flat = field.copy(data=flat)  # type: ignore[union-attr]
+    return distance(
+        flat,
+        source,
+        spacing,
+        mask=mask,
+        holes=holes,
+        slowness=slowness,
+        speed=speed,
+        glue=glue,
+        wavefront=wavefront,
+        dtype=dtype,
+        radius=radius,
+        targets=targets,
+        needed=needed,
+        threads=threads,
+        strict=strict,
+        progress=progress,
+        out=out,
+        sources_outside=sources_outside,
+    )
 
 
 def route(

@@ -122,7 +122,7 @@ def distances(
         As in `Surface.solve`.
     """
     for source in sources:
-        native(source, surface.shape)
+        native(source, surface)
     _check(options)
     precision = np.dtype(np.float64 if is_double(dtype) else np.float32)
     options = options | {"threads": threads, "dtype": precision}

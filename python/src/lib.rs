@@ -15,8 +15,10 @@ mod settings;
 mod surface;
 mod work;
 
+use geosweep::glam::DVec2;
 use geosweep::io::{CoordinateSystem, Georeference, MapScale};
-use geosweep::surface::Chart;
+use geosweep::surface::{Chart, Source};
+use numpy::{PyArray2, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 
 /// A Vulkan device: its index, name, kind, Vulkan version and driver, and what it lacks.
@@ -58,6 +60,29 @@ fn map_scale(
     Some((projection, least, largest))
 }
 
+/// The zero of a level set: grid points, and curves as arrays (n, 2) of rows and columns.
+type Zero<'py> = (Vec<[f64; 2]>, Vec<Bound<'py, PyArray2<f64>>>);
+
+/// Returns the zero of a level set. NaN is missing.
+#[pyfunction]
+fn level_set<'py>(py: Python<'py>, values: PyReadonlyArray2<'py, f64>) -> PyResult<Zero<'py>> {
+    let chart = Chart { rows: values.shape()[0], cols: values.shape()[1] };
+    let values = arrays::scalars(&values)?;
+    let find = || geosweep::geometry::level_set(chart, (*values).as_ref());
+    let sources = work::on_points(py, chart.points(), find)?.map_err(errors::value)?;
+    let (mut points, mut curves) = (Vec::new(), Vec::new());
+    for source in sources.iter() {
+        match source {
+            Source::Point { at, .. } => points.push(at.to_array()),
+            Source::Curve { vertices, .. } => {
+                let numbers = vertices.iter().flat_map(DVec2::to_array).collect();
+                curves.push(arrays::handed_over(py, (vertices.len(), 2), numbers)?);
+            }
+        }
+    }
+    Ok((points, curves))
+}
+
 #[pymodule(gil_used = false)]
 fn _geosweep(module: &Bound<'_, PyModule>) -> PyResult<()> {
     // Programs compute one map after another, and opening a device takes longer than most maps.
@@ -70,6 +95,7 @@ fn _geosweep(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<directions::LogMap>()?;
     module.add_function(wrap_pyfunction!(devices, module)?)?;
     module.add_function(wrap_pyfunction!(map_scale, module)?)?;
+    module.add_function(wrap_pyfunction!(level_set, module)?)?;
     module.add_function(wrap_pyfunction!(directions::nearest, module)?)?;
     module.add_function(wrap_pyfunction!(directions::back_direction, module)?)?;
     module.add_function(wrap_pyfunction!(directions::back_link, module)?)?;

@@ -4,11 +4,11 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use geosweep::geometry::FarthestPoints;
-use geosweep::glam::DVec3;
+use geosweep::glam::{DVec2, DVec3};
 use geosweep::surface::Geometry;
 use geosweep::{
-    Convergence, DEFAULT_TOLERANCE, DEFAULT_TOLERANCE_F64, DistanceMap, Report, Sources,
-    UsedEngine, Wavefront,
+    Convergence, DEFAULT_TOLERANCE, DEFAULT_TOLERANCE_F64, DistanceMap, Report, UsedEngine,
+    Wavefront,
 };
 use geosweep::{EdgeRule, MetricTensor, Monitor, Spacing, estimate_error, estimate_error_f64};
 use numpy::{
@@ -61,7 +61,7 @@ impl Surface {
         let heights = arrays::scalars(&array)?;
         let make =
             || geosweep::Surface::from_shared_heights(rows, cols, heights, Spacing { dx, dy });
-        Ok(work::detached(py, make)?.map_err(errors::value)?.into())
+        Ok(work::on_points(py, rows * cols, make)?.map_err(errors::value)?.into())
     }
 
     /// Makes a surface from points (M, N, 3), which keeps and reads the array itself.
@@ -70,7 +70,7 @@ impl Surface {
         let (rows, cols) = (array.shape()[0], array.shape()[1]);
         let points = arrays::vectors(&array)?;
         let make = || geosweep::Surface::from_shared_positions(rows, cols, points);
-        Ok(work::detached(py, make)?.map_err(errors::value)?.into())
+        Ok(work::on_points(py, rows * cols, make)?.map_err(errors::value)?.into())
     }
 
     /// Makes a surface from a metric (M, N, 3): the entries `rr`, `rc` and `cc` of each point's tensor.
@@ -83,7 +83,7 @@ impl Surface {
             let metric = (*entries).as_ref().iter().map(tensor).collect();
             geosweep::Surface::from_metric(rows, cols, metric)
         };
-        Ok(work::detached(py, make)?.map_err(errors::value)?.into())
+        Ok(work::on_points(py, rows * cols, make)?.map_err(errors::value)?.into())
     }
 
     /// Returns the surface with holes, a slowness and a rule for edges.
@@ -209,16 +209,16 @@ impl Surface {
     }
 
     /// Returns whether each place (n, 2) lies on the surface, within the grid and off holes.
-    fn have_points(
+    fn have_points<'py>(
         &self,
-        py: Python<'_>,
-        places: PyReadonlyArray2<'_, f64>,
-    ) -> PyResult<Vec<bool>> {
-        let places: Vec<[f64; 2]> =
-            places.as_array().rows().into_iter().map(|at| [at[0], at[1]]).collect();
+        py: Python<'py>,
+        places: PyReadonlyArray2<'py, f64>,
+    ) -> PyResult<Bound<'py, PyArray1<bool>>> {
+        let places: Vec<_> =
+            places.as_array().rows().into_iter().map(|at| DVec2::new(at[0], at[1])).collect();
         let surface = self.inner.surface();
-        let is_there = |&[row, col]: &[f64; 2]| Sources::point(row, col).seeds(surface).is_ok();
-        work::detached(py, || places.par_iter().map(is_there).collect())
+        let find = || places.par_iter().map(|&at| surface.contains(at)).collect::<Vec<_>>();
+        Ok(work::on_points(py, places.len(), find)?.into_pyarray(py))
     }
 
     /// Returns a map of distances (M, N) that were computed before.
@@ -320,7 +320,9 @@ impl Surface {
             true => solver.distance_map_f64(sources, &options).map(Distances::Double),
             false => solver.distance_map(sources, &options).map(Distances::Single),
         };
-        let solved = work::watched(py, settings.threads, &monitor, tell, solve)?;
+        let (rows, cols) = self.inner.shape();
+        let threads = settings.threads;
+        let solved = work::watched_on_points(py, rows * cols, threads, &monitor, tell, solve)?;
         let solved = solved.map_err(errors::of)?;
         if let Some(progress) = &progress {
             progress.call1(py, (ALL_DONE, ALL_DONE))?;

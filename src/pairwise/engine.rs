@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::lanes::LaneEngine;
 #[cfg(feature = "vulkan")]
 use super::on_device::OnDevice;
-use crate::cpu::{Connections, Order, RotatedScan, fast_marching_with};
+use crate::cpu::{Order, RotatedScan};
 use crate::surface::{EdgeLengths, Seed, SolverGrid, Surface};
 use crate::{Convergence, Engine, Error, Monitor, Options, Stop, UsedEngine, Wavefront};
 
@@ -17,23 +17,19 @@ pub(super) struct RowEngine<'a> {
     pub monitor: Monitor,
     /// The distance beyond which points count as unreached.
     radius: f64,
+    used: UsedEngine,
     kind: Kind,
 }
 
 enum Kind {
     /// Batches of maps in SIMD lanes.
     Lanes(LaneEngine),
-    /// One map per thread.
-    Maps(EdgeLengths<f32>),
-    /// Fast marching, the reference, with one map per thread.
-    FastMarching(EdgeLengths<f32>, Connections<f32>),
+    /// One map per thread, in an order that does not need several.
+    Maps(EdgeLengths<f32>, Order),
     /// Maps on a Vulkan device.
     #[cfg(feature = "vulkan")]
     Vulkan(Box<OnDevice>),
 }
-
-/// The convergence of a map from fast marching, which takes a single pass.
-const MARCHED: Convergence = Convergence { iterations: 1, residual: 0.0 };
 
 impl<'a> RowEngine<'a> {
     pub fn new(
@@ -44,33 +40,32 @@ impl<'a> RowEngine<'a> {
         let (monitor, radius) = (options.monitor(), options.checked_radius()?);
         let grid = surface.solver_grid();
         let on_grid = grid.surface();
-        let kind = match &options.engine {
+        let edges = || EdgeLengths::measured(on_grid, || Ok::<_, Error>(monitor.check()?));
+        let (used, kind) = match &options.engine {
             Engine::Auto | Engine::Cpu => {
-                let edges = EdgeLengths::measured(on_grid, || Ok::<_, Error>(monitor.check()?))?;
-                match LaneEngine::new(&grid, &edges, wavefront) {
+                let edges = edges()?;
+                let kind = match LaneEngine::new(&grid, &edges, wavefront) {
                     Some(lanes) => Kind::Lanes(lanes),
-                    None => Kind::Maps(edges),
-                }
+                    None => {
+                        let order = Order::best_on(&edges, wavefront, 1);
+                        Kind::Maps(edges, order)
+                    }
+                };
+                (UsedEngine::Cpu, kind)
             }
-            Engine::FastMarching => {
-                Kind::FastMarching(EdgeLengths::new(on_grid)?, Connections::split(on_grid)?)
-            }
+            Engine::FastMarching => (UsedEngine::FastMarching, Kind::Maps(edges()?, Order::Times)),
             #[cfg(feature = "vulkan")]
             Engine::Vulkan(choice) => {
-                Kind::Vulkan(Box::new(OnDevice::new(choice, on_grid, wavefront, &monitor)?))
+                let device = OnDevice::new(choice, on_grid, wavefront, &monitor)?;
+                (UsedEngine::Vulkan, Kind::Vulkan(Box::new(device)))
             }
         };
-        Ok(Self { surface, grid, wavefront, monitor, radius, kind })
+        Ok(Self { surface, grid, wavefront, monitor, radius, used, kind })
     }
 
     /// Returns the engine for the report.
     pub fn used(&self) -> UsedEngine {
-        match self.kind {
-            Kind::Lanes(_) | Kind::Maps(_) => UsedEngine::Cpu,
-            Kind::FastMarching(..) => UsedEngine::FastMarching,
-            #[cfg(feature = "vulkan")]
-            Kind::Vulkan(_) => UsedEngine::Vulkan,
-        }
+        self.used
     }
 
     pub fn device(&self) -> Option<&str> {
@@ -107,13 +102,9 @@ impl<'a> RowEngine<'a> {
     pub fn bytes(&self, threads: usize) -> usize {
         match &self.kind {
             Kind::Lanes(lanes) => lanes.bytes(threads),
-            Kind::Maps(edges) => {
-                edges.bytes()
-                    + threads * RotatedScan::in_order(edges, self.wavefront, Order::Lines).bytes()
-            }
-            Kind::FastMarching(edges, _) => {
-                // For each point: the front, a flag, a few entries of the heap, and additional connections.
-                edges.bytes() + threads * edges.chart().bordered_points() * 64
+            Kind::Maps(edges, order) => {
+                let map = RotatedScan::in_order(edges, self.wavefront, *order);
+                edges.bytes() + threads * map.bytes()
             }
             #[cfg(feature = "vulkan")]
             Kind::Vulkan(device) => device.bytes(),
@@ -124,7 +115,7 @@ impl<'a> RowEngine<'a> {
     pub fn rows_at_once(&self, threads: usize) -> usize {
         match &self.kind {
             Kind::Lanes(lanes) => lanes.rows_at_once(threads),
-            Kind::Maps(_) | Kind::FastMarching(..) => 4 * threads,
+            Kind::Maps(..) => 4 * threads,
             #[cfg(feature = "vulkan")]
             Kind::Vulkan(device) => device.batch(),
         }
@@ -167,10 +158,9 @@ impl<'a> RowEngine<'a> {
         let (wavefront, radius) = (self.wavefront, self.radius);
         match &mut self.kind {
             Kind::Lanes(lanes) => Ok(lanes.solve(grid, sources, stop, into, (&self.monitor, done))),
-            Kind::Maps(edges) => {
-                // All threads have maps of their own, so a map does not need the parallel order of patches.
+            Kind::Maps(edges, order) => {
                 let new = || {
-                    let solver = RotatedScan::in_order(edges, wavefront, Order::Lines);
+                    let solver = RotatedScan::in_order(edges, wavefront, *order);
                     let mut solver = solver.with_monitor(self.monitor.clone());
                     solver.set_radius(radius);
                     solver
@@ -180,22 +170,6 @@ impl<'a> RowEngine<'a> {
                     let convergence = solver.solve(&[grid.seed(seed)], stop);
                     (convergence, grid.crop(solver.distances()))
                 }))
-            }
-            Kind::FastMarching(edges, split) => {
-                let marched = map_by_map(
-                    surface,
-                    sources,
-                    into,
-                    (&self.monitor, done),
-                    || (),
-                    |(), seed| {
-                        let seed = grid.seed(seed);
-                        let marched = fast_marching_with(edges, split, &[seed], wavefront);
-                        (MARCHED, grid.crop(marched.distances()))
-                    },
-                );
-                // Rows of holes count as marched too.
-                Ok(marched.worse(MARCHED))
             }
             #[cfg(feature = "vulkan")]
             Kind::Vulkan(device) => {

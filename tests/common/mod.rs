@@ -54,10 +54,13 @@ pub fn directed<R: Real>(
     cpu::raster_scan(&edges, &sources.seeds(surface).unwrap(), wavefront, stop)
 }
 
-/// Computes a map with fast marching.
-pub fn marched<R: Real>(surface: &Surface, sources: &Sources, wavefront: Wavefront) -> Solution<R> {
+/// Computes a map in the order of arrival times.
+pub fn marched<R: Real>(surface: &Surface, sources: &Sources, wavefront: Wavefront) -> Vec<R> {
     let edges = EdgeLengths::new(surface).unwrap();
-    cpu::fast_marching(&edges, &sources.seeds(surface).unwrap(), wavefront)
+    let mut solver = cpu::RotatedScan::in_order(&edges, wavefront, cpu::Order::Times);
+    let convergence = solver.solve(&sources.seeds(surface).unwrap(), CONVERGED);
+    assert_eq!((convergence.iterations, convergence.residual), (1, 0.0));
+    solver.distances()
 }
 
 /// Returns the map of the CPU engine with its default options.

@@ -1,8 +1,8 @@
 //! Surfaces of every second line, which estimates are made on.
 
-use geosweep::cpu::fast_marching;
-use geosweep::surface::EdgeLengths;
 use geosweep::{Sources, Spacing, Surface, Wavefront};
+
+use crate::common::marched;
 
 /// Walls one point thick, straight and diagonal, that do not lie on a line that stays.
 #[test]
@@ -16,10 +16,7 @@ fn no_wall_gets_a_gap() {
         for through in [[0, 0], [10, 0], [1, 0]] {
             let coarse = surface.coarsened(&[through]).unwrap();
             let reached = |surface: &Surface, sources: &Sources| {
-                let seeds = sources.seeds(surface).unwrap();
-                let edges = EdgeLengths::<f32>::new(surface).unwrap();
-                let planar = Wavefront::Planar;
-                fast_marching(&edges, &seeds, planar).distances()
+                marched::<f32>(surface, sources, Wavefront::Planar)
             };
             let source = Sources::point(through[0] as f64, through[1] as f64);
             let fine = reached(&surface, &source);

@@ -29,6 +29,7 @@ mod floor_plan_twins;
 mod formats;
 mod gdal;
 mod geodetic;
+mod level_set;
 mod log_map_on_bumps;
 mod monitor;
 mod offset;

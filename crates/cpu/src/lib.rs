@@ -1,6 +1,5 @@
 //! Solves distance maps on the CPU: [`RotatedScan`] runs rotated raster scans in SIMD lanes. Its tests compare it with
-//! point-by-point references, also in this crate: directed scans, fast marching and, with the feature `twins`, the
-//! shaders' twins.
+//! point-by-point references, also in this crate: directed scans and, with the feature `twins`, the shaders' twins.
 //!
 //! All solvers share one update and one array layout, which has a border of points that are never reached. They
 //! converge to the same map. Single precision is for use, double precision for reference. Each kind of front has a file
@@ -10,11 +9,10 @@
 //! Columns are updated as rows of a transposed panel of sixteen (`panel.rs`, `transposed.rs`). A scan visits only tiles
 //! beside which something has changed since it last passed (`tiles.rs`), and only if that change has an effect
 //! (`due.rs`). On large grids, all threads scan patches in the order in which fronts reach them (`patches/`). Over a rough
-//! slowness, points are updated one by one in that order (`buckets/`).
+//! slowness, points are updated one by one in that order (`buckets/`), which is fast marching.
 
 mod behind;
 mod ceilings;
-mod fast_marching;
 mod fronts;
 mod limit;
 #[doc(hidden)]
@@ -32,12 +30,7 @@ mod target_estimate;
 pub mod twins;
 
 pub use ceilings::CpuCeilings;
-#[doc(hidden)]
-pub use fast_marching::limited_march;
-pub use fast_marching::{Connections, fast_marching, fast_marching_with};
 pub use geosweep_surface::Instructions;
-#[doc(hidden)]
-pub use limit::Limit;
 #[doc(hidden)]
 pub use lines::Visited;
 pub use pairwise::PairwiseScan;

@@ -5,7 +5,7 @@ use geosweep_surface::Targets;
 
 /// The time after which fronts do not matter.
 #[derive(Clone, Debug)]
-pub struct Limit {
+pub(crate) struct Limit {
     /// Latest arrival time that matters to the map or to the targets.
     time: f64,
     targets: Option<Targets>,
@@ -20,14 +20,12 @@ impl Limit {
     pub(crate) const NONE: Self = Self { time: f64::INFINITY, targets: None };
 
     /// Returns a limit by time alone.
-    #[doc(hidden)]
-    pub fn at(time: f64) -> Self {
+    pub(crate) fn at(time: f64) -> Self {
         Self { time, targets: None }
     }
 
     /// Returns a limit that falls to the targets' arrival time once fronts have reached all targets.
-    #[doc(hidden)]
-    pub fn to(targets: &Targets, time: f64) -> Self {
+    pub(crate) fn to(targets: &Targets, time: f64) -> Self {
         Self { time, targets: Some(targets.clone()) }
     }
 

@@ -11,7 +11,7 @@ pub struct Solution<R> {
     times: Vec<R>,
     /// Latest time with distances; points reached later have none.
     end: f64,
-    /// Number of iterations of four scans. Fast marching counts as one iteration.
+    /// Number of iterations of four scans. The order of time counts as one iteration.
     pub iterations: u32,
     /// Largest relative change of an arrival time in the last iteration, rounded up by at most a factor of
     /// two. A point that was first reached in the last iteration counts as 1.

@@ -4,10 +4,9 @@
 //! the line of grid edges between them, so holes and slowness count, and every path found exists on the grid. The
 //! estimate only sets the first limit of a map. The map itself does not depend on it.
 
-use std::cmp::Reverse;
+use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
 
-use super::fast_marching::Arrival;
 use geosweep_surface::Targets;
 use geosweep_surface::update::{Triangle, planar};
 use geosweep_surface::{Chart, Direction, EdgeLengths, Real, Seed};
@@ -54,8 +53,29 @@ struct March<'a, R> {
     fixed: Vec<bool>,
     /// Lengths of the paths to the neighbours in the directions of `STORED`; NaN where not measured yet.
     ways: Vec<[f64; 4]>,
-    heap: BinaryHeap<Reverse<Arrival<f64>>>,
+    heap: BinaryHeap<Reverse<Arrival>>,
     visits: u64,
+}
+
+/// A point of the front, ordered by arrival time. The index makes the order total.
+#[derive(Clone, Copy, PartialEq)]
+struct Arrival {
+    time: f64,
+    point: usize,
+}
+
+impl Eq for Arrival {}
+
+impl PartialOrd for Arrival {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Arrival {
+    fn cmp(&self, other: &Self) -> Ordering {
+        self.time.total_cmp(&other.time).then(self.point.cmp(&other.point))
+    }
 }
 
 /// Directions whose paths are stored at a point. A path in another direction is stored at its end.

@@ -96,7 +96,7 @@ impl<'a> Arrivals<'a> {
 
 /// Returns the argument in [0, 1] at which a function equals `target`, which lies between its values at both ends. The
 /// method is regula falsi in the Illinois variant.
-fn solve(target: f64, function: impl Fn(f64) -> f64) -> f64 {
+pub(super) fn solve(target: f64, function: impl Fn(f64) -> f64) -> f64 {
     let (mut a, mut b) = (0.0, 1.0);
     let (mut at_a, mut at_b) = (function(a) - target, function(b) - target);
     if at_a == 0.0 || at_b == 0.0 || (at_a < 0.0) == (at_b < 0.0) {

@@ -8,8 +8,8 @@ use super::arrivals::Arrivals;
 use super::chains::{Segment, join};
 use super::crest;
 use geosweep_surface::shown::exact;
+use geosweep_surface::{Chart, Edge, triangles};
 use geosweep_surface::{DistanceMap, Sources};
-use geosweep_surface::{Edge, triangles};
 
 /// The levels of contours.
 #[derive(Clone, Debug, PartialEq)]
@@ -128,7 +128,8 @@ pub fn contours(map: &DistanceMap, sources: &Sources, levels: &[f64]) -> Vec<Con
     ascending.sort_by(f64::total_cmp);
     ascending.dedup();
     let arrivals = Arrivals::new(map, sources.start());
-    let segments = march(&arrivals, &ascending);
+    let time = |index| f64::from(arrivals.time(index));
+    let segments = march(map.chart, time, &ascending);
     let curves = join(segments, |level, node| {
         let (first, to) = Edge::from_number(node).ends(map.chart);
         let s = arrivals.crossing(first, to, ascending[level as usize]);
@@ -157,17 +158,21 @@ pub fn contours(map: &DistanceMap, sources: &Sources, levels: &[f64]) -> Vec<Con
     levels.iter().map(of_level).collect()
 }
 
-/// Returns the segments of all levels in all triangles. Keys are the indices of the levels.
-fn march(arrivals: &Arrivals, levels: &[f64]) -> Vec<Segment<u32>> {
+/// Returns the segments of all levels in all triangles, given the value at each grid point. Keys are the indices of the
+/// levels. Points whose value is not finite are missing.
+pub(super) fn march(
+    chart: Chart,
+    value: impl Fn(usize) -> f64 + Sync,
+    levels: &[f64],
+) -> Vec<Segment<u32>> {
     const MISSING: u32 = u32::MAX;
-    let chart = arrivals.chart;
-    // The number of levels that are at most the distance of the point, or MISSING if the point is unreached.
+    // The number of levels that are at most the value at the point.
     let passed = |index: usize| {
-        let time = f64::from(arrivals.time(index));
-        if !time.is_finite() {
+        let value = value(index);
+        if !value.is_finite() {
             return MISSING;
         }
-        levels.partition_point(|&level| level <= time) as u32
+        levels.partition_point(|&level| level <= value) as u32
     };
     let passed: Vec<u32> =
         (0..chart.points()).into_par_iter().with_min_len(4096).map(passed).collect();
@@ -180,10 +185,10 @@ fn march(arrivals: &Arrivals, levels: &[f64]) -> Vec<Segment<u32>> {
                 continue;
             }
             let there = counts.map(|count| count != MISSING);
-            let times = corners.map(|index| arrivals.time(index));
-            // The cell is split along the diagonal with the larger change of the map, so that curves cross the
+            let values = corners.map(&value);
+            // The cell is split along the diagonal with the larger change of the values, so that curves cross the
             // diagonal.
-            let falling = (times[0] - times[3]).abs() >= (times[1] - times[2]).abs();
+            let falling = (values[0] - values[3]).abs() >= (values[1] - values[2]).abs();
             for triangle in triangles(there, falling) {
                 march_triangle(triangle, &counts, |level, out, back| {
                     let edge =

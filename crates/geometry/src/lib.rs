@@ -12,6 +12,7 @@ mod copies;
 mod crest;
 mod curve;
 mod directions;
+mod level_set;
 mod map_error;
 mod neighbourhood;
 mod offset;
@@ -29,6 +30,7 @@ pub use directions::{
     BackDirections, Basis, LogMap, LogMapError, NO_BEARING, NO_LINK, NO_SOURCE, Nearest, SignError,
     signed_distances, signed_distances_by_mask, signed_distances_to_polygons,
 };
+pub use level_set::{LevelSetError, level_set};
 pub use map_error::MapError;
 pub use offset::{OffsetError, Side, offset_curves};
 pub use paths::{Path, PathError, PathTracer};

@@ -29,7 +29,7 @@ impl Surface {
         let grid = || self.even_grid().filter(|grid| !grid.is_obtuse());
         // A path runs straight through the chart from its anchor to a point. This fails across seams.
         let is_open = has_numbers(self.chart) && !self.is_glued();
-        *kept(&self.floor, || is_open.then(grid).flatten())
+        *kept(&self.known.floor, || is_open.then(grid).flatten())
     }
 
     /// Fits an even grid to the surface by least squares. Returns `None` if the surface is not such a grid,

@@ -91,6 +91,7 @@ pub use real::{FAR, LONGEST_EDGE, Real, SHORTEST_EDGE};
 pub use real::{max, min, relative_change};
 pub use resolution::Resolution;
 pub use seams::Seam;
+use skewed_cells::MostSkewed;
 pub use skewed_cells::Unresolved;
 #[doc(hidden)]
 pub use sources::Origins;
@@ -128,10 +129,19 @@ pub struct Surface {
     chart: Chart,
     inputs: Inputs,
     edge_rule: EdgeRule,
-    /// The grid of a floor plan, once it has been requested.
-    floor: OnceLock<Option<EvenGrid>>,
+    known: Known,
     /// The gluing, if sides of the grid are glued.
     glued: Option<Arc<Glued>>,
+}
+
+/// What is known of a surface once it has been requested. A change of its inputs makes that unknown again.
+#[derive(Clone, Debug, Default)]
+struct Known {
+    /// The grid of a floor plan.
+    floor: OnceLock<Option<EvenGrid>>,
+    resolution: OnceLock<Option<Resolution>>,
+    /// See [`Surface::unresolved`].
+    most_skewed: OnceLock<MostSkewed>,
 }
 
 impl Surface {
@@ -213,8 +223,8 @@ impl Surface {
         let present = geometry.points_present(chart)?;
         let is_scaled = geometry.jumps_in_scale(chart, &present);
         let inputs = Inputs { geometry, slowness: None, present, is_scaled };
-        let (edge_rule, floor) = (EdgeRule::default(), OnceLock::new());
-        Self { chart, inputs, edge_rule, floor, glued: None }.non_empty()
+        let (edge_rule, known) = (EdgeRule::default(), Known::default());
+        Self { chart, inputs, edge_rule, known, glued: None }.non_empty()
     }
 
     /// Sets the rule by which edges are measured.

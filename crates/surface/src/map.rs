@@ -24,9 +24,9 @@ pub struct DistanceMap<R = f32> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum UsedEngine {
-    /// Rotated raster scans on the CPU.
+    /// The CPU, in the order of updates that is best.
     Cpu,
-    /// Fast marching on the CPU.
+    /// Fast marching on the CPU: updates in the order of time.
     FastMarching,
     /// A Vulkan device.
     Vulkan,

@@ -14,8 +14,7 @@ pub struct Cancelled;
 ///
 /// A computation that is cancelled ends with the error [`Cancelled`] after the current band of lines, part of the
 /// edges or submission to a device: on the CPU within milliseconds. Matrices on the CPU whose maps are computed in
-/// batches end after the current batches, of up to 16 maps on each thread. Fast marching goes on to the end of its
-/// map.
+/// batches end after the current batches, of up to 16 maps on each thread.
 #[derive(Clone, Debug, Default)]
 pub struct Monitor(Arc<State>);
 

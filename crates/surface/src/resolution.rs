@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::{Direction, Surface};
+use super::{Direction, Geometry, Surface, kept};
 use crate::constants::{LOOKS, SHARP_COSINE, TURN_UNITS};
 
 /// Measure of how well a grid resolves a surface, from some thousands of its points.
@@ -48,17 +48,34 @@ impl Surface {
     /// Returns how well the grid resolves the surface. The result is `None` over a metric, which has no
     /// positions, and for surfaces that are too small.
     pub fn resolution(&self) -> Option<Resolution> {
+        *kept(&self.known.resolution, || self.measured_resolution())
+    }
+
+    fn measured_resolution(&self) -> Option<Resolution> {
         let (rows, cols) = (self.rows(), self.cols());
         let (mut sharp, mut edges, mut turns, mut counted) = (0, 0, [0.0; 2], 0);
         let step = |points: usize| points.div_ceil(LOOKS as usize).max(1);
+        // Where all points are looked at, each normal is needed five times.
+        let (looks_at_all, chart) = (step(rows) == 1 && step(cols) == 1, self.chart());
+        let is_level = looks_at_all && self.is_level();
+        let all = (looks_at_all && !is_level).then(|| {
+            let normals = chart.places().map(|(row, col)| self.normal_at(row, col));
+            normals.collect::<Vec<_>>()
+        });
+        let normal = |(row, col): (usize, usize)| match &all {
+            Some(all) => all[chart.index(row, col)],
+            None if is_level => {
+                let beside =
+                    |to| chart.neighbour(row, col, to).is_some_and(|(r, c)| self.has(r, c));
+                (self.has(row, col) && AXES.into_iter().all(beside)).then_some(DVec3::Z)
+            }
+            None => self.normal_at(row, col),
+        };
         for row in (1..rows.saturating_sub(1)).step_by(step(rows)) {
             for col in (1..cols.saturating_sub(1)).step_by(step(cols)) {
-                let Some(here) = self.normal_at(row, col) else { continue };
+                let Some(here) = normal((row, col)) else { continue };
                 for to in [Direction::East, Direction::North] {
-                    let ahead = |steps: isize| {
-                        let (row, col) = self.chart().along((row, col), to, steps)?;
-                        self.normal_at(row, col)
-                    };
+                    let ahead = |steps: isize| normal(chart.along((row, col), to, steps)?);
                     let Some(next) = ahead(1) else { continue };
                     edges += 1;
                     sharp += usize::from(here.dot(next) < SHARP_COSINE);
@@ -75,6 +92,12 @@ impl Surface {
         })
     }
 
+    /// Returns whether the surface is a height field whose heights are all the same.
+    fn is_level(&self) -> bool {
+        let Geometry::Heights { heights, .. } = self.geometry() else { return false };
+        heights.iter().all(|height| *height == heights[0])
+    }
+
     /// Returns the surface's unit normal at a point, if the point and all four neighbours are present.
     fn normal_at(&self, row: usize, col: usize) -> Option<DVec3> {
         let beside = |to| {
@@ -87,6 +110,9 @@ impl Surface {
         across.cross(along).try_normalize()
     }
 }
+
+/// Directions to the neighbours from which a normal follows.
+const AXES: [Direction; 4] = [Direction::East, Direction::West, Direction::South, Direction::North];
 
 /// Thresholds of a surface that turns at random. `ROUGH_TURN` is the least turn per step in radians.
 /// `ROUGH_TURNS` is the upper limit for the mean square of the turn in two steps relative to the mean square
@@ -133,6 +159,23 @@ mod tests {
             assert!(!heights(relief, 8).resolution().unwrap().is_rough(), "{relief}");
         }
         assert!(!heights(0.05, 0).resolution().unwrap().is_rough());
+    }
+
+    #[test]
+    fn level_ground_has_the_resolution_of_other_flat_ground() {
+        let flat = |slope: f64, rows: usize| {
+            let heights = (0..rows * 9).map(|k| 5.0 + slope * (k % 9) as f64).collect();
+            let mask: Vec<_> = (0..rows * 9).map(|k| k % 31 != 7).collect();
+            let surface = Surface::from_heights(rows, 9, heights, Spacing::square(1.0)).unwrap();
+            surface.with_mask(&mask).unwrap().resolution()
+        };
+        for rows in [2, 3, 4, 5, 9, 40] {
+            let (level, tilted) = (flat(0.0, rows), flat(0.5, rows));
+            assert_eq!(level.is_some(), tilted.is_some(), "{rows} rows");
+            let Some((level, tilted)) = level.zip(tilted) else { continue };
+            assert_eq!((level.sharp_edges, level.turns), (0.0, [0.0; 2]));
+            assert!(tilted.sharp_edges == 0.0 && tilted.turns[1] < 1e-30);
+        }
     }
 
     #[test]

@@ -6,7 +6,7 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use super::obtuse::reach::splits_within;
-use super::{Direction, Surface};
+use super::{Direction, Surface, kept};
 use crate::constants::{FARTHEST_SPLIT, LOOKS, SPLIT_REACH};
 
 /// A place of a surface whose cells are so skewed that updates do not see all points from which fronts arrive there. A
@@ -28,6 +28,14 @@ pub struct Unresolved {
     pub seen: usize,
 }
 
+/// The point, of some thousands, whose cells are skewed most.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct MostSkewed {
+    at: (usize, usize),
+    /// See [`Surface::skew_around`].
+    needed: usize,
+}
+
 /// Limit of the squares of a triangle's sides for which any obtuse angle counts, but for rounding. Engines split triangles
 /// only where the angle is clearly obtuse.
 const EXACTLY: f64 = 1.0 - 1e-6;
@@ -37,13 +45,28 @@ impl Surface {
     /// ratio above 30, not along rows or columns, or above about 10 on a glued surface. It looks at some thousands of
     /// points. The result is `None` if all cells are alike, since fronts then keep their origin.
     pub fn unresolved(&self) -> Option<Unresolved> {
+        let MostSkewed { at: (row, col), needed } = *self.most_skewed();
         let seen = if self.is_glued() { SPLIT_REACH } else { FARTHEST_SPLIT } as usize;
-        let (row, col, needed) = self
-            .samples()
-            .map(|(row, col)| (row, col, self.skew_at((row, col))))
-            .max_by_key(|&(row, col, needed)| (needed, Reverse((row, col))))?;
         let is_far = needed > seen && !self.has_even_cells();
         is_far.then_some(Unresolved { row, col, needed, seen })
+    }
+
+    /// Returns whether some cells are so skewed that points which split obtuse triangles are more than `most` rows or
+    /// columns away. It looks at some thousands of points.
+    #[doc(hidden)]
+    pub fn has_skewed_cells(&self, most: usize) -> bool {
+        self.most_skewed().needed > most
+    }
+
+    fn most_skewed(&self) -> &MostSkewed {
+        kept(&self.known.most_skewed, || {
+            let all = self.samples().map(|at| MostSkewed { at, needed: self.skew_at(at) });
+            let none = || MostSkewed { at: (0, 0), needed: 1 };
+            all.reduce(none, |a, b| {
+                let is_later = (Reverse(b.needed), b.at) < (Reverse(a.needed), a.at);
+                if is_later { b } else { a }
+            })
+        })
     }
 
     /// Returns the distance in rows and columns of the farthest point that splits an obtuse triangle of some point in or
@@ -57,13 +80,6 @@ impl Surface {
         around.places().map(|at| self.skew_at(at)).max().unwrap_or(1)
     }
 
-    /// Returns whether some cells are so skewed that points which split obtuse triangles are more than `most` rows or
-    /// columns away. It looks at some thousands of points.
-    #[doc(hidden)]
-    pub fn has_skewed_cells(&self, most: usize) -> bool {
-        self.samples().any(|at| self.skew_at(at) > most)
-    }
-
     /// Returns some thousands of points, evenly spread.
     fn samples(&self) -> impl ParallelIterator<Item = (usize, usize)> {
         let step = |points: usize| points.div_ceil(LOOKS as usize).max(1);
@@ -75,19 +91,22 @@ impl Surface {
         })
     }
 
+    /// Returns the largest distance for the triangles of a point in the half of its directions that begins east. Those in
+    /// the other half have the same sides, as far as the metric around the point is the same.
     fn skew_at(&self, at: (usize, usize)) -> usize {
-        let (row, col) = at;
-        let ends = Direction::ALL.map(|to| {
-            let end = self.has_edge(row, col, to).then(|| self.chart().neighbour(row, col, to));
-            end.flatten().map(|end| (to, end, self.length_on_surface(at, end)))
-        });
-        let triangles = (0..8).filter_map(|to| Some([ends[to]?, ends[(to + 1) % 8]?]));
-        let reach = |[(a, end_a, length_a), (b, end_b, length_b)]: [_; 2]| {
-            let base: f64 = self.length_on_surface(end_a, end_b);
-            let squares = [length_a, length_b, base].map(|length: f64| length * length);
-            splits_within([a, b].map(Direction::vector), squares, EXACTLY)
+        let end = |to: Direction| {
+            let end = self.chart().neighbour(at.0, at.1, to);
+            let end = end.filter(|_| self.has_edge(at.0, at.1, to))?;
+            Some((to, end, self.length_on_surface(at, end)))
         };
-        triangles.map(reach).max().unwrap_or(1)
+        let ends: [_; 5] = std::array::from_fn(|to| end(Direction::ALL[to]));
+        let reach = |pair: &[Option<(Direction, (usize, usize), f64)>]| {
+            let ((a, end_a, length_a), (b, end_b, length_b)) = (pair[0]?, pair[1]?);
+            let lengths = [length_a, length_b, self.length_on_surface(end_a, end_b)];
+            let steps = [a, b].map(Direction::vector);
+            Some(splits_within(steps, lengths.map(|length| length * length), EXACTLY))
+        };
+        ends.windows(2).filter_map(reach).max().unwrap_or(1)
     }
 }
 

@@ -3,8 +3,6 @@
 //! The code that measures edges reads the four numbers of a point ([`Surface::point`]), and does not depend
 //! on the kind of input.
 
-use std::sync::OnceLock;
-
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
@@ -15,7 +13,7 @@ use super::inputs::Inputs;
 use super::jump::JUMPS;
 use super::real::Real;
 use super::tag::Tagged;
-use super::{Surface, SurfaceError};
+use super::{Known, Surface, SurfaceError};
 use crate::constants::{EVEN_SLOWNESS, ROUGH_SLOWNESS as ROUGH};
 
 impl Surface {
@@ -52,7 +50,7 @@ impl Surface {
             slowness.iter_mut().filter(|value| **value == 0.0).for_each(|value| *value = free);
         }
         self.inputs.slowness = Some(slowness);
-        self.floor = OnceLock::new();
+        self.known = Known::default();
         self.agree()?;
         self.non_empty()
     }
@@ -61,7 +59,7 @@ impl Surface {
     pub fn with_mask(mut self, mask: &[bool]) -> Result<Self, SurfaceError> {
         check_shape("mask", mask.len(), self.chart)?;
         self.inputs.present.iter_mut().zip(mask).for_each(|(present, &keep)| *present &= keep);
-        self.floor = OnceLock::new();
+        self.known = Known::default();
         self.agree()?;
         self.non_empty()
     }
@@ -166,7 +164,7 @@ impl Surface {
 
     /// Removes the slowness.
     pub(super) fn unweighted(mut self) -> Self {
-        (self.inputs.slowness, self.floor) = (None, OnceLock::new());
+        (self.inputs.slowness, self.known) = (None, Known::default());
         self
     }
 
@@ -174,7 +172,7 @@ impl Surface {
     pub(super) fn with_slowness_of(mut self, other: &Self, points: &[usize]) -> Self {
         let slowness = other.slowness();
         self.inputs.slowness = slowness.map(|all| points.iter().map(|&index| all[index]).collect());
-        self.floor = OnceLock::new();
+        self.known = Known::default();
         self
     }
 

@@ -1,10 +1,9 @@
 //! Cuts parts out of a surface.
 
 use std::ops::Range;
-use std::sync::OnceLock;
 
-use super::Surface;
 use super::chart::{Block, Chart};
+use super::{Known, Surface};
 
 impl Surface {
     /// Returns the points of some rows and columns, with their slowness. The part may consist of holes only. The part
@@ -31,8 +30,8 @@ impl Surface {
         points: impl Iterator<Item = Option<usize>> + Clone,
     ) -> Self {
         let inputs = self.inputs.gathered(points);
-        let (edge_rule, floor) = (self.edge_rule, OnceLock::new());
-        Self { chart, inputs, edge_rule, floor, glued: None }
+        let (edge_rule, known) = (self.edge_rule, Known::default());
+        Self { chart, inputs, edge_rule, known, glued: None }
     }
 }
 

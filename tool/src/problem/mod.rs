@@ -146,7 +146,7 @@ pub fn done_with(
         unreached => format!("{points} points, {unreached} of them not reached yet"),
     };
     let iterations = match report.engine {
-        UsedEngine::FastMarching => "one pass".into(),
+        UsedEngine::FastMarching if report.iterations == 1 => "one pass".into(),
         _ => convergence(report.iterations, report.converged),
     };
     let time = seconds(report.solve_time);

@@ -72,7 +72,8 @@ const ENGINES: [(Engine, &str); 4] = [
     (Engine::Cpu, "Raster scans on the CPU"),
     (
         Engine::FastMarching,
-        "Fast marching on the CPU, the sequential reference for the planar front",
+        "Fast marching on the CPU: points one after another, as fronts reach them. The engine cpu \
+         does so too where a slowness changes much from point to point",
     ),
 ];
 

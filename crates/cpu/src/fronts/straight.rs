@@ -2,6 +2,7 @@
 
 use super::kind::{FrontKind, Fronts, TriangleFronts, TriangleKind, Triangular};
 use super::lanes::LaneKind;
+use super::pulled::{MOST, Pulled};
 use super::surface_array::SurfaceArray;
 use crate::lines::line::ScanLine;
 use crate::lines::settled::Visited;
@@ -167,6 +168,16 @@ impl<R: Real, S: Straight> TriangleKind<R> for S {
     #[inline]
     fn arrival(&self, _: [usize; 3], triangle: Triangle<R>, _: [(); 2], _: bool) -> R {
         Straight::time(*self, triangle)
+    }
+
+    #[inline(always)]
+    fn arrivals(&self, triangles: &Pulled<R, ()>, arrivals: &mut [R; MOST]) {
+        for start in (0..triangles.count).step_by(TILE) {
+            let lanes = triangles.lanes(start);
+            for (k, time) in arrivals[start..start + TILE].iter_mut().enumerate() {
+                *time = Straight::time(*self, lanes.triangle(k).without_obtuse_face());
+            }
+        }
     }
 }
 

@@ -7,7 +7,7 @@ use crate::fronts::{Fronts, PointKind};
 use crate::solution::Solution;
 #[cfg(any(test, feature = "twins"))]
 use geosweep_surface::update::Carried;
-use geosweep_surface::update::{SEED, StoredFront};
+use geosweep_surface::update::StoredFront;
 use geosweep_surface::{EdgeLengths, Real, Seed};
 
 /// Fronts at all points while a solver updates them.
@@ -53,12 +53,6 @@ impl<R: Real, K: PointKind<R>> PointFronts<R, K> {
         any
     }
 
-    /// Returns the arrival time at a point.
-    #[inline]
-    pub(crate) fn time(&self, point: usize) -> R {
-        self.times[point]
-    }
-
     /// Returns the front at a point.
     #[inline]
     pub(crate) fn at(&self, point: usize) -> StoredFront<R, K::Carried> {
@@ -84,13 +78,6 @@ impl<R: Real, K: PointKind<R>> PointFronts<R, K> {
         seen: impl Fn(usize) -> StoredFront<R, K::Carried>,
     ) -> K::Arrival {
         self.kind.reach(&self.edges, point, behind, seen)
-    }
-
-    /// Accepts a front that no scan has brought, if it is earlier than the present front at the point. Returns the
-    /// change of the front.
-    #[inline]
-    pub(crate) fn lower(&mut self, point: usize, arrival: K::Arrival) -> R::Bits {
-        self.accept(point, arrival, SEED, false)
     }
 
     /// Accepts a front that a scan, numbered from 1, brings to a point
@@ -144,6 +131,11 @@ impl<R: Real, K: PointKind<R>> PointFronts<R, K> {
     ) -> Self {
         let seeds: Vec<_> = seeds.iter().filter(|seed| seed.time <= radius).copied().collect();
         Self { limit: R::of(radius), ..Self::start(edges, kind, &seeds) }
+    }
+
+    /// Returns the arrival time at a point.
+    pub(crate) fn time(&self, point: usize) -> R {
+        self.times[point]
     }
 
     /// Returns the time after which fronts do not matter.

@@ -3,7 +3,7 @@
 use super::patches::Plan;
 use crate::lines::span::TILE;
 use geosweep_surface::update::Wavefront;
-use geosweep_surface::{Chart, Direction, EdgeLengths, Real};
+use geosweep_surface::{Chart, EdgeLengths, Real};
 
 /// The order in which [`crate::RotatedScan`] updates a grid. All orders converge to the same map, within the
 /// tolerance and rounding. For each of them the map is bit-identical for any number of threads.
@@ -16,8 +16,9 @@ pub enum Order {
         /// Number of points on a side of a patch. It is rounded up to a multiple of 16.
         side: usize,
     },
-    /// Points one after another, in the order in which fronts reach them. It occupies one thread. It is best where a
-    /// slowness changes much from point to point. Without an uneven slowness, it stands for [`Self::Lines`].
+    /// Points one after another, in the order in which fronts reach them: fast marching with a queue of buckets. It
+    /// occupies one thread. It is best where a slowness changes much from point to point. For anchored fronts it stands
+    /// for [`Self::Lines`].
     Times,
 }
 
@@ -72,22 +73,26 @@ impl Order {
 fn change_across<R: Real>(edges: &EdgeLengths<R>, slowness: &[R]) -> f64 {
     let chart = edges.chart();
     let step = |points: usize| points.div_ceil(SAMPLES).max(1);
+    let [east, north, ..] = edges.planes();
     let (mut changes, mut pairs) = (0.0, 0usize);
-    let mut visit = |row: usize, col: usize, to: Direction| {
+    let mut visit = |edge: R, [own, other]: [R; 2]| {
         // Pairs with a hole or the border have no edge.
-        if edges.length(row, col, to) < R::FAR {
-            let own = slowness[chart.bordered(row, col)].wide();
-            let other = slowness[chart.beside(chart.bordered(row, col), to)].wide();
+        if edge < R::FAR {
+            let (own, other) = (own.wide(), other.wide());
             changes += 2.0 * (own - other).abs() / (own + other);
             pairs += 1;
         }
     };
     // Lines are followed from end to end: every second pair could miss all borders of patches.
     for row in (0..chart.rows).step_by(step(chart.rows)) {
-        (0..chart.cols).for_each(|col| visit(row, col, Direction::East));
+        let (east, slowness) = (chart.row_of(east, row), chart.row_of(slowness, row));
+        east.iter()
+            .zip(slowness.windows(2))
+            .for_each(|(&edge, ends)| visit(edge, [ends[0], ends[1]]));
     }
     for col in (0..chart.cols).step_by(step(chart.cols)) {
-        (0..chart.rows).for_each(|row| visit(row, col, Direction::South));
+        let points = (1..chart.rows).map(|row| chart.bordered(row, col));
+        points.for_each(|at| visit(north[at], [slowness[at], slowness[at - chart.stride()]]));
     }
     let along = 0.5 * (chart.rows + chart.cols) as f64;
     changes / pairs.max(1) as f64 * along

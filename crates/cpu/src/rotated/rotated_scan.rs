@@ -59,9 +59,13 @@ fn scanner<R: Real>(
 ) -> Box<dyn Scans<R>> {
     if order == Order::Times {
         match FrontOver::new(edges, wavefront) {
+            FrontOver::Planar(kind) => return Box::new(BucketScanner::new(edges, kind)),
+            FrontOver::Circular(kind) => return Box::new(BucketScanner::new(edges, kind)),
+            FrontOver::Curved(kind) => return Box::new(BucketScanner::new(edges, kind)),
+            FrontOver::Rays(kind) => return Box::new(BucketScanner::new(edges, kind)),
             FrontOver::SlowedPlanar(kind) => return Box::new(BucketScanner::new(edges, kind)),
             FrontOver::SlowedCurved(kind) => return Box::new(BucketScanner::new(edges, kind)),
-            _ => {}
+            FrontOver::Anchored(_) => {}
         }
     }
     for_kind!(edges, wavefront, kind => match order.plan() {

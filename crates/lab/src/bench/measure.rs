@@ -39,7 +39,7 @@ impl Method {
     pub fn schedule(self) -> &'static str {
         match self {
             Self::Cpu => "rotated-scan",
-            Self::FastMarching => "heap",
+            Self::FastMarching => "order-of-time",
             Self::Vulkan(schedule) => schedule.name(),
         }
     }
@@ -278,12 +278,18 @@ impl Bench<'_> {
         let edges = EdgeLengths::<f32>::new(task.surface)?;
         let edges_time = start.elapsed();
         for &wavefront in &self.plan.wavefronts {
-            if self.is_wanted(wavefront, Method::Cpu) {
+            for method in methods {
+                if !self.is_wanted(wavefront, method) {
+                    continue;
+                }
                 let start = Instant::now();
-                let mut solver = RotatedScan::new(&edges, wavefront);
+                let mut solver = match method {
+                    Method::FastMarching => RotatedScan::in_order(&edges, wavefront, Order::Times),
+                    _ => RotatedScan::new(&edges, wavefront),
+                };
                 let set_up = edges_time + start.elapsed();
                 let bytes = (edges.bytes() + solver.bytes()) as u64;
-                self.time(task, wavefront, Method::Cpu, set_up, Some(bytes), |task| {
+                self.time(task, wavefront, method, set_up, Some(bytes), |task| {
                     let start = Instant::now();
                     let found = solver.solve(task.seeds, task.stop);
                     Ok(Run {
@@ -291,18 +297,6 @@ impl Bench<'_> {
                         iterations: found.iterations,
                         residual: found.residual,
                         visits_and_updates: Some((solver.visits(), solver.updates())),
-                    })
-                })?;
-            }
-            if self.is_wanted(wavefront, Method::FastMarching) {
-                self.time(task, wavefront, Method::FastMarching, edges_time, None, |task| {
-                    let start = Instant::now();
-                    let found = cpu::fast_marching(&edges, task.seeds, wavefront);
-                    Ok(Run {
-                        time: start.elapsed(),
-                        iterations: found.iterations,
-                        residual: 0.0,
-                        visits_and_updates: None,
                     })
                 })?;
             }

@@ -107,7 +107,7 @@ Examples:
 const ENGINES: [(Engine, &str); 3] = [
     (Engine::Cpu, "Scans on the CPU"),
     (Engine::Vulkan(DeviceChoice::Any), "A Vulkan device"),
-    (Engine::FastMarching, "Fast marching on the CPU, the sequential reference"),
+    (Engine::FastMarching, "Fast marching on the CPU: updates in the order of time"),
 ];
 
 const TABLE_2: [usize; 9] = [150, 200, 400, 600, 800, 1000, 1200, 2048, 4096];

@@ -1,9 +1,7 @@
 //! Converts surfaces, values and positions between a given grid and the completed grid, which has more lines.
 
-use std::sync::OnceLock;
-
 use super::super::inputs::Inputs;
-use super::super::{Chart, Geometry, Gluing, GluingError, Surface, SurfaceError};
+use super::super::{Chart, Geometry, Gluing, GluingError, Known, Surface, SurfaceError};
 use super::added::Added;
 use super::axis::Axis;
 
@@ -106,8 +104,8 @@ impl CompletedGrid {
         }
         let mut inputs = surface.inputs.gathered(points.into_iter());
         self.place_middles(surface, &mut inputs);
-        let (edge_rule, floor) = (surface.edge_rule, OnceLock::new());
-        Surface { chart, inputs, edge_rule, floor, glued: None }.with_gluing(self.gluing.clone())
+        let (edge_rule, known) = (surface.edge_rule, Known::default());
+        Surface { chart, inputs, edge_rule, known, glued: None }.with_gluing(self.gluing.clone())
     }
 
     /// Sets the positions and slowness of added points, except copies.

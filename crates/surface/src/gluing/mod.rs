@@ -38,9 +38,9 @@ pub use sheet::Sheet;
 #[doc(hidden)]
 pub use solver_grid::SolverGrid;
 
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
-use super::{Chart, Seam, Surface, SurfaceError};
+use super::{Chart, Known, Seam, Surface, SurfaceError};
 use compile::{Compiled, twice};
 
 /// The gluing of a surface, compiled to groups of copies.
@@ -125,7 +125,7 @@ impl Surface {
 
     /// Glues the points of each group, and gives them the geometry of the first one.
     fn glued_by(mut self, groups: Groups, lattice: Lattice) -> Result<Self, SurfaceError> {
-        self.floor = OnceLock::new();
+        self.known = Known::default();
         self.glued = Some(Arc::new(Glued { groups, lattice }));
         self.agree()?;
         self.non_empty()

@@ -218,6 +218,9 @@ impl Surface {
     /// Returns whether a place, given as fractional row and column, is on the grid and not in a hole.
     #[doc(hidden)]
     pub fn contains(&self, at: DVec2) -> bool {
+        if at.fract() == DVec2::ZERO && self.chart().holds(at) {
+            return self.has(at.x as usize, at.y as usize);
+        }
         self.place(at).is_some()
     }
 

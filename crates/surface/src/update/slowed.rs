@@ -43,8 +43,8 @@ impl<R: Real> Triangle<R> {
 #[inline(always)]
 #[doc(hidden)]
 pub fn is_uneven<R: Real>([s0, s1, s2]: [R; 3]) -> bool {
-    let even = R::of(EVEN_CORNERS) * (s1 + s2);
-    ((s2 - s1).abs() > even) | ((s0 - s1).abs() > even)
+    let range = max(max(s1, s2), s0) - min(min(s1, s2), s0);
+    range > R::of(EVEN_CORNERS) * (s1 + s2)
 }
 
 /// The cost of rays from the base to x0, in units of the base's cost. Places on the base count from 0 at one end to 1 at
