@@ -42,6 +42,7 @@ def given(name: str, value: ArrayLike) -> NDArray[Any]:
     """Return the content of ``value`` as a NumPy array, masked where values are missing."""
     if isinstance(value, np.ma.MaskedArray):
         return value
+    _refuse_unit(name, value)
     if isinstance(value, np.ndarray):
         return np.asarray(value)
     if is_data_array(value):
@@ -49,12 +50,14 @@ def given(name: str, value: ArrayLike) -> NDArray[Any]:
     if isinstance(value, (list, tuple)) and any(isinstance(v, np.ma.MaskedArray) for v in value):
         return np.ma.array(value)
     if not hasattr(value, "__dlpack_device__"):
-        return np.asarray(value)
+        # A variable of a NetCDF file, for one, makes a masked array.
+        found = np.asanyarray(value)
+        return found if isinstance(found, np.ma.MaskedArray) else np.asarray(found)
     array: Any = value
     try:
         if array.__dlpack_device__()[0] in _HOST:
             return np.from_dlpack(array)
-        found = _copied(array)
+        copied = _copied(array)
     except (BufferError, RuntimeError, TypeError, ValueError) as error:
         raise TypeError(
             f"{name} cannot be taken through DLPack ({error}); give a NumPy array"
@@ -64,7 +67,20 @@ def given(name: str, value: ArrayLike) -> NDArray[Any]:
         HostCopyWarning,
         stacklevel=5,
     )
-    return found
+    return copied
+
+
+def _refuse_unit(name: str, value: Any) -> None:
+    """Raise ValueError for a quantity of astropy or pint, whose unit NumPy would drop."""
+    unit = getattr(value, "unit", getattr(value, "units", None))
+    # The units of xarray and NetCDF are texts, and those of dates have no array.
+    if unit is None or isinstance(unit, str) or not hasattr(value, "to"):
+        return
+    if str(unit) not in ("", "dimensionless"):
+        raise ValueError(
+            f"{name} is in {unit}, and units are not converted; give its numbers, in the unit of "
+            "all other lengths"
+        )
 
 
 def is_data_array(value: object) -> bool:
@@ -87,7 +103,8 @@ def _copied(array: Any) -> NDArray[Any]:
 
 def is_number(value: object) -> bool:
     """Return whether a value is one real number, so that no array has to be made of it."""
-    return isinstance(value, (int, float, np.integer, np.floating))
+    numeric = (int, float, np.integer, np.floating)
+    return isinstance(value, numeric) and not isinstance(value, bool)
 
 
 def is_count(value: object) -> bool:
@@ -96,6 +113,37 @@ def is_count(value: object) -> bool:
         return False
     is_scalar = isinstance(value, np.ndarray) and value.ndim == 0 and value.dtype.kind in "iu"
     return isinstance(value, (int, np.integer)) or is_scalar
+
+
+def real(name: str, value: Any) -> float:
+    """Return a value that must be one real number, also an array of no dimensions."""
+    if is_number(value):
+        return float(value)
+    array = numbers(name, value)
+    if array.shape != ():
+        raise TypeError(f"{name} must be one number, not an array of {array.size}")
+    return float(array)
+
+
+# Whole numbers up to this one suit the compiled part on all machines.
+_MOST = 2**31 - 1
+
+
+def count(name: str, value: Any, least: int = 1) -> int:
+    """Return a value that must be one whole number of at least ``least``."""
+    if not is_count(value):
+        raise TypeError(f"{name}={value!r:.60} must be a whole number")
+    found = int(np.asarray(value))
+    if not least <= found <= _MOST:
+        raise ValueError(f"{name}={found} must lie from {least} to {_MOST}")
+    return found
+
+
+def switch(name: str, value: object) -> bool:
+    """Return a value that must be True or False. A text or a number is likely meant otherwise."""
+    if not isinstance(value, (bool, np.bool_)):
+        raise TypeError(f"{name}={value!r:.60} must be True or False")
+    return bool(value)
 
 
 def numbers(name: str, value: ArrayLike, missing: float | None = None) -> Floats:
@@ -108,19 +156,23 @@ def numbers(name: str, value: ArrayLike, missing: float | None = None) -> Floats
     except TypeError as error:
         raise _no_numbers(name, value, error) from error
     except ValueError as error:
-        if "masked value" in str(error) or "attribute" in str(error):
+        if str(error).startswith(name):
             raise
         raise _no_numbers(name, value, error) from error
-    if array.dtype.kind not in "biuf":
-        raise TypeError(f"{name} must be an array of real numbers, not {value!r:.60}")
+    if array.dtype.kind not in "iuf":
+        raise _no_numbers(name, value, None)
     if np.ma.is_masked(array):
         array = np.ma.filled(np.ma.asarray(array, np.float64), missing)
     # An array that was received from another process may not be aligned.
     return np.require(np.ma.getdata(array), np.float64, ["C", "A"])
 
 
-def _no_numbers(name: str, value: object, error: Exception) -> TypeError:
-    said = f"{name} must be an array of real numbers, not {value!r:.60}"
+def _no_numbers(name: str, value: Any, error: Exception | None) -> TypeError:
+    dtype, shape = getattr(value, "dtype", None), getattr(value, "shape", None)
+    what = f"of {dtype} with the shape {shape}" if shape else repr(value)[:60]
+    said = f"{name} must be an array of real numbers, not {what}"
+    if str(dtype) == "bool":
+        said += "; give them as holes= or mask= if they mark holes, else convert them to numbers"
     return TypeError(f"{said} ({error})" if "DLPack" in str(error) else said)
 
 

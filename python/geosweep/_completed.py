@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _geosweep
-from ._arrays import Floats, numbers
+from ._arrays import Floats, given, numbers
 from ._settings import refuse
-from ._surface import Glue, Surface
+from ._surface import Glue, Surface, compiled_of
 
 Layout = Literal["columns", "rows", "both", "flipped-columns", "flipped-rows", "globe", "cube"]
 
@@ -65,7 +65,7 @@ class CompletedGrid:
     ) -> None:
         if last not in (None, "repeated", "apart"):
             refuse("last", last, "'repeated' or 'apart'")
-        self._grid = _geosweep.CompletedGrid(surface._surface, layout, last)
+        self._grid = _geosweep.CompletedGrid(compiled_of(surface), layout, last)
         self._glue: Glue = "charts" if layout == "cube" else layout
 
     def __repr__(self) -> str:
@@ -87,7 +87,7 @@ class CompletedGrid:
 
         Holes, the slowness and the rule for edges are completed too.
         """
-        return Surface(self._grid.complete(surface._surface), (self._glue,))
+        return Surface(self._grid.complete(compiled_of(surface)), (self._glue,))
 
     def to_completed(self, places: ArrayLike) -> Floats:
         """Return rows and columns on the completed grid, for sources and other places.
@@ -117,7 +117,7 @@ class CompletedGrid:
 
         Given points between the faces of a cube have the value of a hole.
         """
-        array = np.asarray(values)
+        array = given("values", values)
         if array.shape[:2] != self.shape:
             raise ValueError(f"values must have the shape {self.shape}, not {array.shape}")
         flat = array.reshape(-1, *array.shape[2:])

@@ -91,10 +91,15 @@ def _parts(shape: Any) -> list[Any]:
 
 def points_of(name: str, table: Any, place: Place) -> Floats:
     """Return rows and columns (n, 2) of a table of points."""
-    geometry = _projected(name, table, place.crs)
-    if not (geometry.geom_type == "Point").all():
-        raise ValueError(f"{name}: the table must hold points alone")
-    return place.to_grid(name, np.column_stack([geometry.x, geometry.y]))
+    return points_of_shapes(name, list(_projected(name, table, place.crs)), place)
+
+
+def points_of_shapes(name: str, shapes: list[Any], place: Place) -> Floats:
+    """Return rows and columns (n, 2) of points in a raster's coordinates."""
+    others = {shape.geom_type for shape in shapes} - {"Point"}
+    if others or any(shape.is_empty for shape in shapes):
+        raise ValueError(f"{name} must be points alone, not {', '.join(others) or 'empty ones'}")
+    return place.to_grid(name, np.array([[shape.x, shape.y] for shape in shapes]))
 
 
 def _table(columns: dict[str, Any], geometry: list[Any], place: Place) -> "GeoDataFrame":

@@ -6,11 +6,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _geosweep
-from ._arrays import Floats, flags, is_count, numbers
+from ._arrays import Floats, count, flags, is_count, numbers, real
 from ._plot import draw, round_levels
 from ._results import Basis, Curves, Path, Ridge, Voronoi
 from ._settings import refuse
 from ._sources import Placed, Problem
+from ._tables import places_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -58,7 +59,8 @@ class LogMap:
 
         The result is None beyond the source's region, a hole or the cut locus.
         """
-        found = self._map.place(source, (u, v))
+        at = real("u", u), real("v", v)
+        found = self._map.place(count("source", source, 0), at)
         return None if found is None else (found[0], found[1])
 
     def source_direction(
@@ -205,6 +207,7 @@ class DistanceMap:
         distances
             Negative inside, positive outside, inf where no source reaches.
         """
+        inside = self._whole._aligned("inside", inside)
         mask = None if inside is None else flags("inside", inside)
         if mask is not None and mask.shape != self._surface.shape:
             shape = self._surface.shape
@@ -220,9 +223,7 @@ class DistanceMap:
 
     def paths(self, ends: ArrayLike) -> list[Path]:
         """Trace the shortest path from each end, rows and columns (n, 2), to its source."""
-        array = numbers("ends", ends)
-        if array.ndim != 2 or array.shape[1] != 2:
-            raise ValueError(f"ends must have the shape (n, 2), not {array.shape}")
+        array = places_of("ends", ends)
         rows = self._sources.rows
         own = (lambda source: source) if rows is None else (lambda source: int(rows[source]))
         found = self._map.paths(array.tolist())
@@ -240,14 +241,16 @@ class DistanceMap:
         step
             Distance between levels, instead of ``levels``.
         """
+        if step is not None and levels is not None:
+            raise ValueError("give levels or step, the distance between them, and not both")
         if step is not None or levels is None:
-            chosen = self._map.levels(None, step)
+            chosen = self._map.levels(None, None if step is None else real("step", step))
         elif isinstance(levels, (bool, np.bool_)):
             raise TypeError(f"levels must be a number of levels or distances, not {levels!r}")
         elif is_count(levels):
             if int(np.asarray(levels)) < 0:
                 raise ValueError(f"levels={levels!r}: a number of levels is not negative")
-            chosen = self._map.levels(int(np.asarray(levels)), None)
+            chosen = self._map.levels(count("levels", levels, 0), None)
         else:
             chosen = numbers("levels", levels).ravel().tolist()
         return [Curves(*curves) for curves in self._map.contours(chosen)]
@@ -274,7 +277,8 @@ class DistanceMap:
 
     def ridges(self, least_angle: float = 30.0) -> list[Ridge]:
         """Return the curves where wavefronts meet at ``least_angle`` degrees or more."""
-        return [Ridge(*ridge) for ridge in self._map.ridges(least_angle)]
+        least = real("least_angle", least_angle)
+        return [Ridge(*ridge) for ridge in self._map.ridges(least)]
 
     def farthest(self) -> tuple[int, int, float]:
         """Return row, column and distance of the farthest point that is reached."""

@@ -5,7 +5,8 @@ from typing import Literal, NoReturn, TypedDict
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._arrays import on_host
+from ._arrays import count, real
+from ._tables import places_of
 
 Engine = Literal["auto", "cpu", "gpu"]
 Wavefront = Literal["auto", "planar", "circular", "curved", "anchored", "rays"]
@@ -32,12 +33,19 @@ def refuse(name: str, value: object, choices: str) -> NoReturn:
 
 def grid_points(name: str, value: ArrayLike) -> NDArray[np.int64]:
     """Return rows and columns (n, 2) of grid points."""
-    points = np.atleast_2d(on_host(name, value))
-    if points.dtype.kind not in "iu" or points.ndim != 2 or points.shape[1] != 2:
+    places = places_of(name, value)
+    points = np.rint(places)
+    if not ((points == places) & (np.abs(places) < 2**53)).all():
         raise ValueError(f"{name} must be integers, the rows and columns (n, 2) of grid points")
     if points.size and points.min() < 0:
         raise ValueError(f"{name} must not be negative")
-    return points.astype(np.int64, copy=False)
+    return points.astype(np.int64)
+
+
+def check_progress(progress: object) -> None:
+    """Raise TypeError if a callback cannot be called."""
+    if progress is not None and not callable(progress):
+        raise TypeError(f"progress={progress!r:.60} must be a function of two numbers")
 
 
 def settings(
@@ -57,18 +65,19 @@ def settings(
     if wavefront not in ("auto", "planar", "circular", "curved", "anchored", "rays"):
         names = "'auto', 'planar', 'circular', 'curved', 'anchored' or 'rays'"
         refuse("wavefront", wavefront, names)
-    if iterations is not None and iterations < 1:
-        raise ValueError(f"iterations={iterations!r}: at least one is needed")
-    if threads is not None and threads < 1:
-        raise ValueError(f"threads={threads!r}: give at least 1, or None for all")
+    iterations = None if iterations is None else count("iterations", iterations)
+    threads = None if threads is None else count("threads", threads)
+    tolerance = None if tolerance is None else real("tolerance", tolerance)
+    radius = None if radius is None else real("radius", radius)
     if radius is not None and not radius > 0:
         raise ValueError(f"radius={radius!r} must be positive; leave it out for no limit")
     if device is not None and engine == "cpu":
         raise ValueError(f"device={device!r} is for engine='gpu'; leave out one of them")
     points = None if targets is None else grid_points("targets", targets).tolist()
-    if needed is not None and (points is None or not 1 <= needed <= len(points)):
-        there = 0 if points is None else len(points)
-        raise ValueError(f"needed={needed!r} must be a number of targets, from 1 to {there} here")
+    needed = None if needed is None else count("needed", needed)
+    if needed is not None and (points is None or needed > len(points)):
+        there = "no targets are given" if points is None else f"there are {len(points)} targets"
+        raise ValueError(f"needed={needed} is a number of targets, and {there}")
     return {
         # As in the tool, a device asks for the engine that it is for.
         "engine": engine if device is None else "gpu",
@@ -86,7 +95,8 @@ def settings(
 def is_double(dtype: object) -> bool:
     """Return whether maps are computed in double precision."""
     try:
-        found = np.dtype(dtype)  # type: ignore[call-overload]
+        # NumPy takes None for float64.
+        found = None if dtype is None else np.dtype(dtype)  # type: ignore[call-overload]
     except TypeError:
         found = None
     if found == np.float32:

@@ -7,8 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._arrays import Floats, flags, given, is_number, numbers
+from ._arrays import Floats, flags, given, is_number, numbers, on_host
 from ._settings import Settings
+from ._tables import ROW_COL, columns_of, is_frame
 
 
 @dataclass(frozen=True)
@@ -60,10 +61,6 @@ Native = tuple[Floats, list[tuple[Floats, float]]]
 # Points, lines, options, and whether a map is in double precision, as the compiled part takes them.
 Problem = tuple[Floats, list[tuple[Floats, float]], Settings, bool]
 
-# Names of the columns of tables, in lower case.
-ROW_COL = (("row",), ("col", "column"))
-_STARTS = ("start", "t0", "time", "start_value", "start_time", "initial")
-
 
 def native(source: Source, shape: tuple[int, int]) -> Native:
     """Return points (n, 3) with starts, and lines with starts."""
@@ -81,12 +78,21 @@ def placed(source: Source, shape: tuple[int, int]) -> Placed:
         lines = [numbers("source", line) for line in source.vertices]
         for line in lines:
             if line.ndim != 2 or line.shape[1] != 2:
-                raise ValueError(f"source: a line needs the shape (n, 2), not {line.shape}")
-        starts = np.broadcast_to(numbers("source starts", source.starts), (len(lines),))
+                raise ValueError(
+                    f"source: each line needs the shape (n, 2), not {line.shape}; Lines takes a "
+                    "list of lines"
+                )
+        starts = numbers("source starts", source.starts)
+        if starts.shape not in ((), (len(lines),)):
+            raise ValueError(
+                f"source starts must be one number, or one for each of {len(lines)} lines, not of "
+                f"the shape {starts.shape}"
+            )
+        starts = np.broadcast_to(starts, (len(lines),))
         return Placed(np.empty((0, 3)), list(zip(lines, starts.tolist(), strict=True)))
     refuse_apart(source)
     if is_frame(source):
-        table = points_of(columns_of(source, ROW_COL, "rows and columns: row and col"))
+        table = points_of(columns_of("source", source, ROW_COL, starts=True))
         assert table is not None  # It has two or three columns.
         return table
     if hasattr(source, "geom_type") or hasattr(source, "geometry"):
@@ -146,44 +152,13 @@ def refuse_apart(source: object) -> None:
         )
 
 
-def is_frame(value: object) -> bool:
-    """Return whether a value is a table with named columns, or a row of it, without geometries."""
-    return (
-        (hasattr(value, "columns") or _is_row(value))
-        and hasattr(value, "__getitem__")
-        and not hasattr(value, "to_crs")
-    )
-
-
-def _is_row(value: Any) -> bool:
-    """Return whether a value is a Series of pandas whose numbers have names."""
-    return hasattr(value, "to_frame") and any(isinstance(name, str) for name in value.index)
-
-
-def columns_of(
-    table: Any, wanted: tuple[tuple[str, ...], tuple[str, ...]], what: str
-) -> NDArray[Any]:
-    """Return the columns (n, 2) of a table with the wanted names, or (n, 3) with start times."""
-    table = table.to_frame().T if _is_row(table) else table
-    there = {str(name).strip().lower(): name for name in table.columns}
-    found = [[there[name] for name in names if name in there] for names in (*wanted, _STARTS)]
-    if not (found[0] and found[1]) or any(len(names) > 1 for names in found):
-        raise ValueError(
-            f"source: the table must have columns with {what}, and perhaps start; it has "
-            f"{', '.join(map(str, table.columns))}"
-        )
-    return np.column_stack(
-        [numbers("source", np.asarray(table[name])) for [name] in filter(None, found)]
-    )
-
-
 def labels_of(labels: Any, source: Any, found: Placed, shape: tuple[int, int]) -> Any:
     """Return the label of each source as the caller counts them."""
     if isinstance(labels, str):
         if not hasattr(source, "columns") or labels not in source.columns:
             raise ValueError(f"labels={labels!r} is not a column of the table of sources")
         labels = source[labels]
-    values = np.asarray(given("labels", labels))
+    values = given("labels", labels)
     if values.ndim == 2 and values.shape == shape:
         rows, cols = found.points[:, :2].astype(np.int64).T
         if found.lines or not np.array_equal(found.points[:, 0], rows):
@@ -193,7 +168,7 @@ def labels_of(labels: Any, source: Any, found: Placed, shape: tuple[int, int]) -
         raise ValueError(
             f"labels must have one value for each of {found.given} sources, not {values.shape}"
         )
-    return values
+    return on_host("labels", values)
 
 
 def on_surface(found: Placed, surface: Any, outside: str) -> Placed:
@@ -222,12 +197,17 @@ def on_surface(found: Placed, surface: Any, outside: str) -> Placed:
         rows_of = np.arange(found.given) if found.rows is None else found.rows
         kept = np.concatenate([there, np.ones(len(found.lines), np.bool_)])
         return Placed(points[there], found.lines, rows_of[kept], found.given)
+    known = np.isfinite(points[missed, :2]).all(axis=1)
+    if not known.all():
+        raise ValueError(
+            f"source point {missed[~known][0]} is not finite, so that no point is nearest to it; "
+            "leave it out, as sources_outside='skip' does"
+        )
     present = np.argwhere(surface.present)
     steps = surface.spacing or (1.0, 1.0)
     moved = points.copy()
     for index in missed.tolist():
-        place = np.nan_to_num(points[index, :2], nan=0.0)
-        apart = ((present - place) * steps) ** 2
+        apart = ((present - points[index, :2]) * steps) ** 2
         moved[index, :2] = present[apart.sum(axis=1).argmin()]
     return Placed(moved, found.lines, found.rows, found.count)
 

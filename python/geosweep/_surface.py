@@ -9,11 +9,13 @@ import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from . import _geosweep
-from ._arrays import Floats, is_data_array, is_number, numbers
+from ._arrays import Floats, is_data_array, is_number, numbers, switch
+from ._arrays import count as whole
+from ._axes import GridAxes
 from ._inputs import Inputs
 from ._map import DistanceMap
-from ._settings import Engine, Wavefront, is_double, refuse, settings
-from ._sources import Source, labels_of, native, on_surface, placed
+from ._settings import Engine, Wavefront, check_progress, is_double, refuse, settings
+from ._sources import Placed, Source, labels_of, native, on_surface, placed
 from ._warnings import SeamWarning, check
 
 Spacing = float | tuple[float, float]
@@ -51,7 +53,8 @@ def _kept(name: str, array: ArrayLike, copy: bool) -> Floats:
     Missing values are holes, NaN.
     """
     values = numbers(name, array, np.nan)
-    return values.copy() if copy and np.may_share_memory(values, np.asarray(array)) else values
+    is_shared = np.may_share_memory(values, np.asarray(array))
+    return values.copy() if switch("copy", copy) and is_shared else values
 
 
 class Surface:
@@ -60,11 +63,17 @@ class Surface:
     Make it by `from_heights`, `from_positions` or `from_metric`.
     """
 
-    def __init__(self, compiled: "_geosweep.Surface", glued: tuple[Glue, ...] = ()) -> None:
+    def __init__(
+        self,
+        compiled: "_geosweep.Surface",
+        glued: tuple[Glue, ...] = (),
+        axes: GridAxes | None = None,
+    ) -> None:
         if not isinstance(compiled, _geosweep.Surface):
             raise TypeError("use Surface.from_heights, from_positions or from_metric")
         self._surface = compiled
         self._glued = glued
+        self._axes = axes
 
     def __repr__(self) -> str:
         rows, cols = self.shape
@@ -77,12 +86,16 @@ class Surface:
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle the arrays of which the surface was made."""
         made = self._surface
-        inputs = (made.present, made.slowness, made.edges, self._glued)
+        inputs = (made.present, made.slowness, made.edges, self._glued, self._axes)
         return _restored, (made.kind, made.values(), self.shape, made.spacing, *inputs)
 
     @staticmethod
     def _made(
-        compiled: "_geosweep.Surface", inputs: Inputs, edges: str, glue: Glue | None
+        compiled: "_geosweep.Surface",
+        inputs: Inputs,
+        edges: str,
+        glue: Glue | None,
+        axes: GridAxes | None = None,
     ) -> "Surface":
         if edges not in ("arc", "chord"):
             refuse("edges", edges, "'arc' or 'chord'")
@@ -91,7 +104,7 @@ class Surface:
             compiled = compiled.with_inputs(points, slow, edges == "chord")
         if glue is not None:
             compiled = compiled.with_gluing(glue)
-        return Surface(compiled, () if glue is None else (glue,))
+        return Surface(compiled, () if glue is None else (glue,), axes)
 
     @classmethod
     def from_heights(
@@ -137,17 +150,20 @@ class Surface:
             Whether to copy the heights. Otherwise an array of float64 in C order is read where
             it is, and must not change while the surface is used.
         """
-        inputs = Inputs(mask, holes, slowness, speed)
-        if is_data_array(heights):
-            from .xarray import inputs_like, spacing_of
-
-            inputs = inputs_like(heights, inputs)
-            spacing = spacing_of(heights) if spacing is None else spacing
+        inputs, axes = Inputs(mask, holes, slowness, speed), None
         values = _kept("heights", heights, copy)
         if values.ndim != 2:
-            raise ValueError(f"heights must have the shape (M, N), not {values.shape}")
+            raise ValueError(
+                f"heights must have the shape (M, N), not {values.shape}; select a band or a time"
+            )
+        if is_data_array(heights):
+            from .xarray import spacing_of
+
+            axes = GridAxes.of(heights)
+            inputs = inputs.aligned(axes)
+            spacing = spacing_of(heights) if spacing is None else spacing
         made = _geosweep.Surface.heights(values, *_steps(1.0 if spacing is None else spacing))
-        return cls._made(made, inputs, edges, glue)
+        return cls._made(made, inputs, edges, glue, axes)
 
     @classmethod
     def from_positions(
@@ -244,7 +260,7 @@ class Surface:
             ``"octahedral"``, ``"charts"`` (the faces of a cube), ``"auto"`` (all sides of positions
             that coincide), or pairs of lines, each given by its first and last (row, column).
         """
-        return Surface(self._surface.with_gluing(glue), (*self._glued, glue))
+        return Surface(self._surface.with_gluing(glue), (*self._glued, glue), self._axes)
 
     @property
     def is_glued(self) -> bool:
@@ -343,9 +359,10 @@ class Surface:
         chosen = settings(
             engine, device, wavefront, tolerance, iterations, threads, radius, targets, needed
         )
-        if sources_outside not in ("refuse", "skip", "snap"):
-            refuse("sources_outside", sources_outside, "'refuse', 'skip' or 'snap'")
-        sources = on_surface(placed(source, self.shape), self._surface, sources_outside)
+        strict = switch("strict", strict)
+        check_progress(progress)
+        source, labels = self._aligned("source", source), self._aligned("labels", labels)
+        sources = self._placed(source, sources_outside)
         names = None if labels is None else labels_of(labels, source, sources, self.shape)
         problem = (sources.points, sources.lines, chosen, double)
         found = self._surface.solve(problem, progress)
@@ -354,6 +371,21 @@ class Surface:
         if out is not None:
             np.copyto(out, found.distance)
         return DistanceMap(self, found, problem, sources, names, out)
+
+    def _placed(self, source: Source, outside: str) -> Placed:
+        """Return sources on the surface, as the compiled part takes them."""
+        if outside not in ("refuse", "skip", "snap"):
+            refuse("sources_outside", outside, "'refuse', 'skip' or 'snap'")
+        return on_surface(placed(source, self.shape), self._surface, outside)
+
+    def _aligned(self, name: str, value: Any) -> Any:
+        """Return a raster of xarray in the order of the grid, if that was made of another one."""
+        axes = self._axes
+        if axes is None or not is_data_array(value):
+            return value
+        shape = tuple(size for size in value.shape if size != 1)
+        is_raster = set(axes.dims) <= set(value.dims) or shape in (axes.shape, axes.shape[::-1])
+        return axes.north_up(name, value) if is_raster else value
 
     def farthest_points(self, source: Source, count: int) -> tuple[NDArray[np.int64], float]:
         """Sample the surface evenly.
@@ -367,7 +399,8 @@ class Surface:
         radius
             Largest distance of a point from the nearest sample or source.
         """
-        samples, radius = self._surface.farthest_points(*native(source, self.shape), count)
+        wanted = native(self._aligned("source", source), self.shape)
+        samples, radius = self._surface.farthest_points(*wanted, whole("count", count))
         return np.asarray(samples, dtype=np.int64).reshape(-1, 2), radius
 
 
@@ -380,6 +413,7 @@ def _restored(
     slowness: Floats | None,
     edges: str,
     glued: tuple[Glue, ...],
+    axes: GridAxes | None,
 ) -> Surface:
     """Restore a surface that was pickled."""
     values = numbers("values", values)
@@ -389,7 +423,7 @@ def _restored(
     else:
         make = _geosweep.Surface.positions if kind == "positions" else _geosweep.Surface.metric
         compiled = make(values.reshape(*shape, 3))
-    surface = Surface._made(compiled, Inputs(mask=present, slowness=slowness), edges, None)
+    surface = Surface._made(compiled, Inputs(mask=present, slowness=slowness), edges, None, axes)
     for glue in glued:
         surface = surface.with_gluing(glue)
     return surface
@@ -401,6 +435,16 @@ def _precision(dtype: DTypeLike, out: object, shape: tuple[int, ...]) -> bool:
     if out is not None:
         check_out(out, shape, np.float64 if double else np.float32)
     return double
+
+
+def compiled_of(surface: object) -> "_geosweep.Surface":
+    """Return the compiled part of a surface, or raise TypeError for other values."""
+    if isinstance(surface, Surface):
+        return surface._surface
+    raise TypeError(
+        f"surface must be a geosweep.Surface, not {type(surface).__name__}; make it by "
+        "Surface.from_heights, from_positions or from_metric"
+    )
 
 
 def check_out(out: object, shape: tuple[int, ...], dtype: DTypeLike) -> None:
@@ -460,9 +504,9 @@ def distance(
     chosen = settings(
         engine, device, wavefront, tolerance, iterations, threads, radius, targets, needed
     )
-    if sources_outside not in ("refuse", "skip", "snap"):
-        refuse("sources_outside", sources_outside, "'refuse', 'skip' or 'snap'")
-    sources = on_surface(placed(source, surface.shape), surface._surface, sources_outside)
+    strict = switch("strict", strict)
+    check_progress(progress)
+    sources = surface._placed(surface._aligned("source", source), sources_outside)
     problem = (sources.points, sources.lines, chosen, double)
     found, report = surface._surface.distances(problem, progress)
     check(report["converged"], report, strict)

@@ -18,12 +18,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
+from ._arrays import count as whole
 from ._matrix import indices
 from ._matrix import pairwise as _pairwise
 from ._optional import needed
 from ._settings import is_double, settings
 from ._sources import Source, native
-from ._surface import Surface
+from ._surface import Surface, compiled_of
 
 if TYPE_CHECKING:
     import dask
@@ -82,6 +83,7 @@ def pairwise(
         A Dask array. Its ``to_zarr`` writes the matrix to storage, so that it need not fit into
         memory.
     """
+    compiled_of(surface)
     wanted = indices(surface, rows)
     _check(options)
     columns = surface.shape[0] * surface.shape[1]
@@ -121,6 +123,7 @@ def distances(
     dtype, options
         As in `Surface.solve`.
     """
+    compiled_of(surface)
     for source in sources:
         native(source, surface.shape)
     _check(options)
@@ -150,6 +153,5 @@ def _check(options: dict[str, Any]) -> None:
 
 
 def _sizes(count: int, chunk: int) -> tuple[int, ...]:
-    if chunk < 1:
-        raise ValueError(f"chunks={chunk!r}: at least one is needed")
+    chunk = whole("chunks", chunk)
     return (chunk,) * (count // chunk) + ((count % chunk,) if count % chunk else ())

@@ -19,13 +19,14 @@ from numpy.typing import ArrayLike, NDArray
 from . import _frames, _geosweep, _plot
 from ._arrays import Floats, flags, given, numbers
 from ._attributes import OF_VALUES
+from ._axes import GridAxes
 from ._inputs import Inputs
 from ._map import DistanceMap
 from ._optional import needed
 from ._place import Place
-from ._settings import grid_points
-from ._sources import Lines, Placed, Source, columns_of, is_frame, points_of, refuse_apart
+from ._sources import Lines, Placed, Source, points_of, refuse_apart
 from ._surface import Surface, check_out
+from ._tables import XY, columns_of, is_frame, places_of
 from ._warnings import ScaleWarning
 
 if TYPE_CHECKING:
@@ -37,44 +38,17 @@ else:
 
 _X = {"x", "lon", "longitude", "easting"}
 _Y = {"y", "lat", "latitude", "northing"}
-# Names of the columns of tables.
-_XY = (("x", "easting", "east"), ("y", "northing", "north"))
 # The largest accepted deviation of a coordinate from even spacing, as a fraction of a step.
 _UNEVEN = 1e-3
 
 
 @dataclass(frozen=True)
 class _Grid:
-    """The relation between the user's array and the grid, which is north up."""
+    """The user's array, and the grid, which is north up."""
 
     template: "xr.DataArray"
     place: Place
-    turned: bool
-    """Whether the array has columns first."""
-    flips: tuple[slice, slice]
-    """Steps of 1 or -1 along y and x."""
-
-    def north_up(self, name: str, array: ArrayLike) -> NDArray[Any]:
-        """Return the values of an array of the template's shape in the order of the grid."""
-        if isinstance(array, xr.DataArray):
-            array = _like(name, array, self.template)
-        values = given(name, array)
-        if values.shape not in (self.template.shape, self.template.shape[-2:]):
-            shape = self.template.shape
-            raise ValueError(f"{name} must have the array's shape {shape}, not {values.shape}")
-        values = values.reshape(self.template.shape[-2:])
-        return (values.T if self.turned else values)[self.flips]
-
-    def points(self, name: str, indices: ArrayLike) -> NDArray[np.int64]:
-        """Return rows and columns (n, 2) on the grid, from indices along the array's own axes."""
-        points = grid_points(name, indices)
-        if (points >= self.template.shape[-2:]).any():
-            shape = self.template.shape[-2:]
-            raise ValueError(f"{name} must be indices into the array, whose shape is {shape}")
-        points = points[:, ::-1] if self.turned else points
-        last = np.subtract(self.place.shape, 1)
-        backwards = [axis.step == -1 for axis in self.flips]
-        return np.where(backwards, last - points, points)
+    axes: GridAxes
 
     def back(
         self, name: str, values: NDArray[Any], description: str, units: str | None
@@ -83,8 +57,8 @@ class _Grid:
 
         ``units`` is the unit of the values, or None if they have none.
         """
-        values = values[self.flips]
-        values = np.ascontiguousarray(values.T if self.turned else values)
+        values = values[self.axes.flips]
+        values = np.ascontiguousarray(values.T if self.axes.turned else values)
         made = self.template.copy(data=values.reshape(self.template.shape)).rename(name)
         made.attrs = {
             key: value
@@ -99,22 +73,6 @@ class _Grid:
         if values.dtype.kind == "f":
             made.encoding["_FillValue"] = np.nan
         return made
-
-
-def _like(name: str, array: "xr.DataArray", template: "xr.DataArray") -> "xr.DataArray":
-    """Return an array with its dimensions in the template's order.
-
-    Its coordinates must be those of the template, in either order.
-    """
-    try:
-        array = array.squeeze(drop=True).transpose(*template.dims[-2:])
-        for dim in set(template.dims[-2:]) & set(array.coords) & set(template.coords):
-            if array.sizes[dim] == template.sizes[dim]:
-                array = array.sel({dim: template.coords[dim].values})
-        xr.align(array, template.squeeze(drop=True), join="exact", copy=False)
-    except (KeyError, ValueError) as error:
-        raise ValueError(f"{name} must have the coordinates of the heights: {error}") from error
-    return array
 
 
 def _crs(da: "xr.DataArray") -> str | None:
@@ -141,11 +99,27 @@ class _Axis:
     is_rounded: bool
 
 
+def _of_transform(da: "xr.DataArray") -> str:
+    """Return a remark on an array that says where it lies by other means than coordinates."""
+    dims = set(da.dims[-2:])
+    for name, coord in da.coords.items():
+        if coord.ndim == 2 and set(coord.dims) == dims:
+            return (
+                f"; its coordinates {name!r} vary along both axes, so that its cells are turned or "
+                "uneven: reproject it, or use geosweep.Surface.from_positions"
+            )
+    transforms = [key for coord in da.coords.values() for key in coord.attrs]
+    if "GeoTransform" in transforms or "transform" in da.attrs:
+        return "; it has a GeoTransform, of which rioxarray makes them with parse_coordinates=True"
+    return ""
+
+
 def _axis(da: "xr.DataArray", dim: str) -> _Axis:
     """Return the coordinates along a dimension."""
     if dim not in da.coords:
         raise ValueError(
-            f"the array has no coordinates along {dim!r}; assign them, or use geosweep.distance"
+            f"the array has no coordinates along {dim!r}; assign them, or give the spacing to "
+            f"geosweep.distance{_of_transform(da)}"
         )
     given_values = da.coords[dim].values
     if given_values.dtype.kind not in "iuf" or len(given_values) < 2:
@@ -248,7 +222,10 @@ def _grid(da: "xr.DataArray") -> _Grid:
     rounded = stored if ys.is_rounded or xs.is_rounded else None
     place = Place(left, top, abs(dx), abs(dy), shape, crs, rounded)
     _warn_of_scale(place)
-    return _Grid(da, place, turned, flips)
+    dims, sizes = da.dims[-2:], da.shape[-2:]
+    coords = {dim: da.coords[dim].values for dim in dims}
+    axes = GridAxes((dims[0], dims[1]), (sizes[0], sizes[1]), coords, turned, flips)
+    return _Grid(da, place, axes)
 
 
 def spacing_of(da: "xr.DataArray") -> tuple[float, float] | None:
@@ -257,25 +234,15 @@ def spacing_of(da: "xr.DataArray") -> tuple[float, float] | None:
     Raise ValueError if the array is not north up, so that its rows and columns would be mistaken
     for those of a map.
     """
-    if da.ndim < 2 or not any(dim in da.coords for dim in da.dims[-2:]):
+    if da.ndim < 2 or not (any(dim in da.coords for dim in da.dims[-2:]) or _of_transform(da)):
         return None
     grid = _grid(da)
-    if grid.turned or any(axis.step == -1 for axis in grid.flips):
+    if grid.axes.turned or any(axis.step == -1 for axis in grid.axes.flips):
         raise ValueError(
             "heights: the array's rows do not run north to south and its columns west to east, as "
             "its coordinates tell; use heights.geosweep, which turns it, or give the spacing"
         )
     return grid.place.dy, grid.place.dx
-
-
-def inputs_like(da: "xr.DataArray", inputs: Inputs) -> Inputs:
-    """Return inputs in the order of an array's axes. Arrays must have its coordinates."""
-    return Inputs(
-        **{
-            name: _like(name, array, da) if isinstance(array, xr.DataArray) else array
-            for name, array in inputs.given().items()
-        }
-    )
 
 
 class GeoMap:
@@ -391,13 +358,21 @@ def _column(table: Any, name: str) -> Any:
     return np.asarray(table[name])
 
 
+def _shape(value: Any) -> tuple[int, ...]:
+    """Return the shape of an array; that of none for lists of unequal lengths."""
+    try:
+        return np.shape(value)
+    except ValueError:
+        return ()
+
+
 def _ends(ends: Any, place: Place) -> Floats:
     if _frames.is_table(ends):
         return _frames.points_of("ends", ends, place)
-    xy = np.atleast_2d(numbers("ends", ends))
-    if xy.ndim != 2 or xy.shape[1] != 2:
-        raise ValueError(f"ends must be x and y (n, 2), not {xy.shape}")
-    return place.to_grid("ends", xy)
+    if _frames.is_shape(ends):
+        shapes = ends if isinstance(ends, (list, tuple)) else [ends]
+        return _frames.points_of_shapes("ends", list(shapes), place)
+    return place.to_grid("ends", places_of("ends", ends, XY))
 
 
 @xr.register_dataarray_accessor("geosweep")
@@ -421,17 +396,17 @@ class Accessor:
         if isinstance(source, Lines):
             lines = [place.to_grid("source", numbers("source", xy)) for xy in source.vertices]
             return Lines(lines, source.starts)
-        if isinstance(source, xr.DataArray) or np.shape(source) == self._da.shape:
-            return flags("source", grid.north_up("source", source))
+        if isinstance(source, xr.DataArray) or grid.axes.fit(_shape(source)):
+            return flags("source", grid.axes.north_up("source", source))
         refuse_apart(source)
         if is_frame(source):
-            source = columns_of(source, _XY, "map coordinates: x and y, or easting and northing")
+            source = columns_of("source", source, XY, starts=True)
         found = points_of(given("source", source))
         if not isinstance(found, Placed):
             raise ValueError(
                 "source must be (x, y), an array (n, 2), an array (n, 3) with start times, Lines, "
                 "a table, geometries, or a raster like the heights, not of the shape "
-                f"{np.shape(source)}"
+                f"{_shape(source)}"
             )
         places = place.to_grid("source", found.points[:, :2], strict)
         points = np.column_stack([places, found.points[:, 2]])
@@ -460,10 +435,13 @@ class Accessor:
 
     def _surface(self, grid: _Grid, inputs: Inputs, edges: str) -> Surface:
         on_grid: dict[str, Any] = {
-            name: grid.north_up(name, array) for name, array in inputs.given().items()
+            name: grid.axes.north_up(name, array) for name, array in inputs.given().items()
         }
-        heights = grid.north_up("heights", self._da)
-        return Surface.from_heights(heights, (grid.place.dy, grid.place.dx), edges=edges, **on_grid)
+        heights = grid.axes.north_up("heights", self._da)
+        spacing = (grid.place.dy, grid.place.dx)
+        made = Surface.from_heights(heights, spacing, edges=edges, **on_grid)
+        made._axes = grid.axes
+        return made
 
     def solve(
         self,
@@ -503,15 +481,15 @@ class Accessor:
         grid = _grid(self._da)
         surface = self._surface(grid, Inputs(mask, holes, slowness, speed), edges)
         if targets is not None:
-            options["targets"] = grid.points("targets", targets)
+            options["targets"] = grid.axes.points("targets", targets)
         if out is not None:
             check_out(out, self._da.shape, np.dtype(options.get("dtype", np.float32)))
         strict = options.get("sources_outside", "refuse") == "refuse"
         source = self._source(source_xy, grid, strict)
         if isinstance(labels, str) and hasattr(source_xy, "columns"):
             labels = _column(source_xy, labels)
-        elif isinstance(labels, xr.DataArray) or np.shape(labels) == self._da.shape:
-            labels = grid.north_up("labels", labels)
+        elif labels is not None and grid.axes.fit(_shape(labels)):
+            labels = grid.axes.north_up("labels", labels)
         found = GeoMap(grid, surface.solve(source, labels=labels, **options))
         if out is not None:
             np.copyto(out, found.distance.values)
