@@ -51,7 +51,10 @@ def given(name: str, value: ArrayLike) -> NDArray[Any]:
         return np.ma.array(value)
     if not hasattr(value, "__dlpack_device__"):
         # A variable of a NetCDF file, for one, makes a masked array.
-        found = np.asanyarray(value)
+        try:
+            found = np.asanyarray(value)
+        except ValueError as error:
+            raise TypeError(f"{name} is no array, since its rows have different lengths") from error
         return found if isinstance(found, np.ma.MaskedArray) else np.asarray(found)
     array: Any = value
     try:
@@ -119,23 +122,35 @@ def real(name: str, value: Any) -> float:
     """Return a value that must be one real number, also an array of no dimensions."""
     if is_number(value):
         return float(value)
-    array = numbers(name, value)
-    if array.shape != ():
-        raise TypeError(f"{name} must be one number, not an array of {array.size}")
+    array = on_host(name, value)
+    if array.shape != () or array.dtype.kind not in "iuf":
+        raise TypeError(f"{name} must be one number, not {described(value)}")
     return float(array)
+
+
+def described(value: Any) -> str:
+    """Return what a value of a wrong type is, for messages."""
+    if isinstance(value, (str, bool, int, float, complex, type(None))):
+        return f"{value!r:.60}"
+    dtype, shape = getattr(value, "dtype", None), getattr(value, "shape", None)
+    if dtype is not None and shape:
+        return f"an array of {dtype} with the shape {shape}"
+    if isinstance(value, (list, tuple, dict, set, frozenset)):
+        return f"{value!r:.60}"
+    return f"a {type(value).__name__}"
 
 
 # Whole numbers up to this one suit the compiled part on all machines.
 _MOST = 2**31 - 1
 
 
-def count(name: str, value: Any, least: int = 1) -> int:
-    """Return a value that must be one whole number of at least ``least``."""
+def count(name: str, value: Any, least: int = 1, most: int = _MOST) -> int:
+    """Return a value that must be one whole number from ``least`` to ``most``."""
     if not is_count(value):
         raise TypeError(f"{name}={value!r:.60} must be a whole number")
     found = int(np.asarray(value))
-    if not least <= found <= _MOST:
-        raise ValueError(f"{name}={found} must lie from {least} to {_MOST}")
+    if not least <= found <= most:
+        raise ValueError(f"{name}={found} must lie from {least} to {most}")
     return found
 
 
@@ -153,27 +168,37 @@ def numbers(name: str, value: ArrayLike, missing: float | None = None) -> Floats
     """
     try:
         array = on_host(name, value) if missing is None else given(name, value)
-    except TypeError as error:
-        raise _no_numbers(name, value, error) from error
-    except ValueError as error:
+    except (TypeError, ValueError) as error:
         if str(error).startswith(name):
             raise
-        raise _no_numbers(name, value, error) from error
+        # Lists of unequal lengths, for one.
+        raise TypeError(_no_numbers(name, described(value))) from error
+    if array.dtype.kind == "O":
+        array = _of_objects(name, array)
     if array.dtype.kind not in "iuf":
-        raise _no_numbers(name, value, None)
+        what = described(value if np.shape(value) == array.shape else array)
+        of_masks = "; booleans are for mask=, holes= and rasters of sources"
+        more = of_masks if array.dtype.kind == "b" else ""
+        raise TypeError(_no_numbers(name, what) + more)
     if np.ma.is_masked(array):
         array = np.ma.filled(np.ma.asarray(array, np.float64), missing)
     # An array that was received from another process may not be aligned.
     return np.require(np.ma.getdata(array), np.float64, ["C", "A"])
 
 
-def _no_numbers(name: str, value: Any, error: Exception | None) -> TypeError:
-    dtype, shape = getattr(value, "dtype", None), getattr(value, "shape", None)
-    what = f"of {dtype} with the shape {shape}" if shape else repr(value)[:60]
-    said = f"{name} must be an array of real numbers, not {what}"
-    if str(dtype) == "bool":
-        said += "; give them as holes= or mask= if they mark holes, else convert them to numbers"
-    return TypeError(f"{said} ({error})" if "DLPack" in str(error) else said)
+def _no_numbers(name: str, what: str) -> str:
+    return f"{name} must be an array of real numbers, not {what}"
+
+
+def _of_objects(name: str, array: NDArray[Any]) -> NDArray[Any]:
+    """Return an array of objects as numbers, or raise TypeError for the first that is none."""
+    hidden = np.ma.getmaskarray(array)
+    for place, one in np.ndenumerate(np.ma.getdata(array)):
+        if not hidden[place] and not is_number(one):
+            where = f" at {list(place)}" if place else ""
+            raise TypeError(f"{_no_numbers(name, described(one))}{where}")
+    found = np.ma.masked_array(np.where(hidden, 0, np.ma.getdata(array)).astype(np.float64), hidden)
+    return found if hidden.any() else np.ma.getdata(found)
 
 
 def flags(name: str, value: ArrayLike, missing: bool = False) -> NDArray[np.bool_]:
@@ -188,4 +213,4 @@ def flags(name: str, value: ArrayLike, missing: bool = False) -> NDArray[np.bool
     values = np.ma.getdata(array)
     if values.dtype.kind == "f":
         unknown = unknown | np.isnan(values)
-    return np.ascontiguousarray(np.where(unknown, missing, values != 0))
+    return np.require(np.where(unknown, missing, values != 0), requirements="C")

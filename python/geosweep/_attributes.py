@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 # Values that stand for "no value", as CF, rioxarray, xarray's former open_rasterio and others name
 # them.
 _FILLS = ("_FillValue", "missing_value", "nodata", "nodatavals", "fill_value")
+_RANGES = ("valid_min", "valid_max", "valid_range")
 # Attributes that describe the values of an array. Results computed from it do not take them over.
 OF_VALUES = {
     *_FILLS,
@@ -38,12 +39,20 @@ def decoded(name: str, array: Any) -> NDArray[Any]:
         return values
 
     def numbers(key: str) -> list[float]:
-        return _numbers(name, attrs, key)
+        found = _numbers(name, attrs, key)
+        if values.dtype.kind == "u" and key in (*_FILLS, *_RANGES):
+            # With _Unsigned these are stored as signed numbers, too.
+            return [number % 2 ** (8 * values.itemsize) for number in found]
+        return found
 
     if values.dtype.kind == "i" and str(attrs.get("_Unsigned")).lower() == "true":
         values = values.view(values.dtype.str.replace("i", "u"))
+    fills = {fill for key in _FILLS for fill in numbers(key)}
+    if hasattr(array, "rio") and array.rio.nodata is not None:
+        # rioxarray's set_nodata() leaves the attributes as they are.
+        fills.add(float(array.rio.nodata))
     missing = np.zeros(values.shape, np.bool_)
-    for fill in {fill for key in _FILLS for fill in numbers(key)}:
+    for fill in fills:
         missing |= _stands_for(values, fill)
     valid = numbers("valid_range")
     for least in (*valid[:1], *numbers("valid_min")):

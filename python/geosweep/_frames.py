@@ -61,6 +61,8 @@ def sources_of_shapes(shapes: list[Any], starts: Floats, place: Place, strict: b
     of_lines: list[int] = []
     for row, (shape, start) in enumerate(zip(shapes, starts.tolist(), strict=True)):
         for part in _parts(shape):
+            if part.is_empty:
+                raise ValueError(f"source: the geometry of row {row} is empty; leave it out")
             if part.geom_type not in ("Point", "LineString", "LinearRing"):
                 raise ValueError(
                     f"source: a {part.geom_type} is neither points nor lines; take its .boundary "

@@ -332,7 +332,7 @@ class DistanceMap:
 def _labelled(numbers: NDArray[np.int32], labels: NDArray[Any]) -> NDArray[Any]:
     """Return the label of each source's number."""
     none: Any = None
-    if labels.dtype.kind in "iu":
+    if labels.dtype.kind in "iu" and labels.max() <= np.iinfo(np.int64).max:
         labels, none = labels.astype(np.int64), -1
     elif labels.dtype.kind == "f":
         none = np.nan

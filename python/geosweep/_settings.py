@@ -66,14 +66,20 @@ def settings(
         names = "'auto', 'planar', 'circular', 'curved', 'anchored' or 'rays'"
         refuse("wavefront", wavefront, names)
     iterations = None if iterations is None else count("iterations", iterations)
-    threads = None if threads is None else count("threads", threads)
+    # A pool of many thousands takes minutes to start.
+    threads = None if threads is None else count("threads", threads, most=1024)
     tolerance = None if tolerance is None else real("tolerance", tolerance)
     radius = None if radius is None else real("radius", radius)
     if radius is not None and not radius > 0:
         raise ValueError(f"radius={radius!r} must be positive; leave it out for no limit")
     if device is not None and engine == "cpu":
         raise ValueError(f"device={device!r} is for engine='gpu'; leave out one of them")
-    points = None if targets is None else grid_points("targets", targets).tolist()
+    points = None
+    if targets is not None:
+        # A target that is given twice is one of those that are needed.
+        points = np.unique(grid_points("targets", targets), axis=0).tolist()
+    if points == []:
+        raise ValueError("targets is empty; give at least one, or leave it out")
     needed = None if needed is None else count("needed", needed)
     if needed is not None and (points is None or needed > len(points)):
         there = "no targets are given" if points is None else f"there are {len(points)} targets"

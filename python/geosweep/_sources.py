@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._arrays import Floats, flags, given, is_number, numbers, on_host
+from ._arrays import Floats, described, flags, given, is_number, numbers, on_host
 from ._settings import Settings
 from ._tables import ROW_COL, columns_of, is_frame
 
@@ -106,14 +106,17 @@ def placed(source: Source, shape: tuple[int, int]) -> Placed:
         if not len(cells):
             raise ValueError("source: the raster has no cell other than zero and missing ones")
         return Placed(np.column_stack([cells, np.zeros(len(cells))]))
+    forms = (
+        "source must be (row, col), an array (n, 2), an array (n, 3) with start times, Lines, a "
+        f"table, or a boolean or integer raster of the shape {shape}, not "
+    )
+    if values.dtype.kind not in "biufO" or values.shape == ():
+        raise TypeError(forms + described(source))
     found = points_of(values)
     if found is None:
-        raise ValueError(
-            "source must be (row, col), an array (n, 2), an array (n, 3) with start times, Lines, "
-            f"a table, or a boolean or integer raster of the shape {shape}, not an array of "
-            f"{values.dtype} with the shape {values.shape}"
-            + ("; make a raster boolean: (source > 0)" if values.shape == shape else "")
-        )
+        float_raster = values.shape == shape
+        more = "; make a raster boolean: (source > 0)" if float_raster else ""
+        raise ValueError(f"{forms}{described(values)}{more}")
     return found
 
 
@@ -122,10 +125,11 @@ def points_of(values: NDArray[Any]) -> Placed | None:
 
     Rows in which a number is masked are left out.
     """
+    if values.size == 0:
+        raise ValueError("source is empty; give at least one")
     if values.shape == (2,) or values.shape == (3,):
         values = values[None, :]
     if values.ndim != 2 or values.shape[1] not in (2, 3):
-        numbers("source", values)
         return None
     count, rows = len(values), None
     if np.ma.is_masked(values):

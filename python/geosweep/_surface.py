@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from . import _geosweep
-from ._arrays import Floats, is_data_array, is_number, numbers, switch
+from ._arrays import Floats, described, is_data_array, numbers, switch
 from ._arrays import count as whole
 from ._axes import GridAxes
 from ._inputs import Inputs
@@ -38,12 +38,20 @@ Glue = (
 
 
 def _steps(spacing: Spacing) -> tuple[float, float]:
-    if is_number(spacing):
-        return float(spacing), float(spacing)  # type: ignore[arg-type]
-    steps = numbers("spacing", spacing)
+    """Return the distances of rows and of columns."""
+    wanted = f"spacing must be one number or (dy, dx), not {described(spacing)}"
+    try:
+        steps = numbers("spacing", spacing)
+    except TypeError:
+        raise TypeError(wanted) from None
     if steps.shape not in ((), (2,)):
-        raise ValueError("spacing must be one number or (dy, dx)")
+        raise ValueError(wanted)
     dy, dx = np.broadcast_to(steps, (2,)).tolist()
+    if not (0 < dy < np.inf and 0 < dx < np.inf):
+        raise ValueError(
+            f"spacing is ({dy:.10g}, {dx:.10g}), the distances of rows and of columns; both must "
+            "be positive and finite"
+        )
     return dy, dx
 
 
@@ -57,6 +65,24 @@ def _kept(name: str, array: ArrayLike, copy: bool) -> Floats:
     return values.copy() if switch("copy", copy) and is_shared else values
 
 
+def _checked(glue: Glue) -> Any:
+    """Return a gluing whose pairs of lines are checked."""
+    if isinstance(glue, str):
+        return glue
+    try:
+        ends = np.asarray(glue)
+    except ValueError:
+        ends = np.empty(0)
+    if ends.ndim != 4 or ends.shape[1:] != (2, 2, 2) or ends.dtype.kind not in "iu":
+        raise TypeError(
+            "glue must be a name, or pairs of lines, each given by its first and last (row, col): "
+            f"[(((0, 0), (0, 9)), ((5, 0), (5, 9)))]; not {described(glue)}"
+        )
+    if ends.min() < 0:
+        raise ValueError(f"glue: {ends.min()} is no row or column, which count from 0")
+    return [tuple(tuple(map(tuple, line)) for line in pair) for pair in ends.tolist()]
+
+
 class Surface:
     """A grid of points with a geometry, holes and perhaps a slowness.
 
@@ -68,12 +94,14 @@ class Surface:
         compiled: "_geosweep.Surface",
         glued: tuple[Glue, ...] = (),
         axes: GridAxes | None = None,
+        read: NDArray[Any] | None = None,
     ) -> None:
         if not isinstance(compiled, _geosweep.Surface):
             raise TypeError("use Surface.from_heights, from_positions or from_metric")
         self._surface = compiled
         self._glued = glued
         self._axes = axes
+        self._read = read
 
     def __repr__(self) -> str:
         rows, cols = self.shape
@@ -96,6 +124,7 @@ class Surface:
         edges: str,
         glue: Glue | None,
         axes: GridAxes | None = None,
+        read: NDArray[Any] | None = None,
     ) -> "Surface":
         if edges not in ("arc", "chord"):
             refuse("edges", edges, "'arc' or 'chord'")
@@ -103,8 +132,8 @@ class Surface:
         if points is not None or slow is not None or edges == "chord":
             compiled = compiled.with_inputs(points, slow, edges == "chord")
         if glue is not None:
-            compiled = compiled.with_gluing(glue)
-        return Surface(compiled, () if glue is None else (glue,), axes)
+            compiled = compiled.with_gluing(_checked(glue))
+        return Surface(compiled, () if glue is None else (glue,), axes, read)
 
     @classmethod
     def from_heights(
@@ -163,7 +192,7 @@ class Surface:
             inputs = inputs.aligned(axes)
             spacing = spacing_of(heights) if spacing is None else spacing
         made = _geosweep.Surface.heights(values, *_steps(1.0 if spacing is None else spacing))
-        return cls._made(made, inputs, edges, glue, axes)
+        return cls._made(made, inputs, edges, glue, axes, None if copy else values)
 
     @classmethod
     def from_positions(
@@ -208,7 +237,8 @@ class Surface:
         if values.ndim != 3 or values.shape[2] != 3:
             raise ValueError(f"positions must have the shape (M, N, 3), not {values.shape}")
         compiled = _geosweep.Surface.positions(values)
-        made = cls._made(compiled, Inputs(mask, holes, slowness, speed), edges, glue)
+        inputs = Inputs(mask, holes, slowness, speed)
+        made = cls._made(compiled, inputs, edges, glue, read=None if copy else values)
         open_seams = [seam for seam in made.seams if "single point" not in seam]
         if open_seams:
             warnings.warn(
@@ -260,7 +290,8 @@ class Surface:
             ``"octahedral"``, ``"charts"`` (the faces of a cube), ``"auto"`` (all sides of positions
             that coincide), or pairs of lines, each given by its first and last (row, column).
         """
-        return Surface(self._surface.with_gluing(glue), (*self._glued, glue), self._axes)
+        glued = self._surface.with_gluing(_checked(glue))
+        return Surface(glued, (*self._glued, glue), self._axes, self._read)
 
     @property
     def is_glued(self) -> bool:
@@ -356,6 +387,10 @@ class Surface:
             (``"skip"``), or moved to the nearest point of the surface (``"snap"``).
         """
         double = _precision(dtype, out, self.shape)
+        if out is not None and self._read is not None and np.may_share_memory(out, self._read):
+            raise ValueError(
+                "out lies in the array that the surface reads (copy=False); give another one"
+            )
         chosen = settings(
             engine, device, wavefront, tolerance, iterations, threads, radius, targets, needed
         )
@@ -395,12 +430,12 @@ class Surface:
         Returns
         -------
         samples
-            Rows and columns (count, 2).
+            Rows and columns (count, 2); fewer if the surface has no more points.
         radius
             Largest distance of a point from the nearest sample or source.
         """
         wanted = native(self._aligned("source", source), self.shape)
-        samples, radius = self._surface.farthest_points(*wanted, whole("count", count))
+        samples, radius = self._surface.farthest_points(*wanted, whole("count", count, 0))
         return np.asarray(samples, dtype=np.int64).reshape(-1, 2), radius
 
 
@@ -451,9 +486,11 @@ def check_out(out: object, shape: tuple[int, ...], dtype: DTypeLike) -> None:
     """Check that an array can take results."""
     if not isinstance(out, np.ndarray) or isinstance(out, np.ma.MaskedArray):
         raise TypeError(f"out must be a plain NumPy array, not {type(out).__name__}")
-    if out.shape != shape or out.dtype != dtype or not out.flags.writeable:
+    if not out.flags.writeable:
+        raise ValueError("out is read-only, so that it cannot take results")
+    if out.shape != shape or out.dtype != dtype:
         raise ValueError(
-            f"out must be a writeable array of {np.dtype(dtype)} with the shape {shape}, not of "
+            f"out must be an array of {np.dtype(dtype)} with the shape {shape}, not of "
             f"{out.dtype} with {out.shape}"
         )
 

@@ -66,8 +66,8 @@ def _column(name: str, table: Any, column: Any) -> Floats:
 def places_of(name: str, value: ArrayLike, columns: Columns = ROW_COL) -> Floats:
     """Return places (n, 2), also from one place and from a table, by the names of its columns."""
     places = columns_of(name, value, columns) if is_frame(value) else numbers(name, value)
-    if places.shape == (2,):
-        places = places[None, :]
+    if places.shape in ((0,), (2,)):  # no place, or one
+        places = places.reshape(-1, 2)
     if places.ndim != 2 or places.shape[1] != 2:
         order = "x and y" if columns is XY else "rows and columns"
         raise ValueError(f"{name} must be {order} (n, 2), not of the shape {places.shape}")

@@ -155,23 +155,58 @@ _LENGTHS = {
 }
 
 
-def _check_units(da: "xr.DataArray", dims: tuple[str, str]) -> None:
-    """Check that coordinates and heights have one unit, where attributes name both."""
-    named = {str(dim): str(da.coords[dim].attrs.get("units", "")).strip() for dim in dims}
-    named["the heights"] = str(da.attrs.get("units", "")).strip()
-    known = {
-        name: _LENGTHS[unit.lower()] for name, unit in named.items() if unit.lower() in _LENGTHS
-    }
-    if len(set(known.values())) > 1:
-        said = ", ".join(f"{name} in {named[name]}" for name in known)
+def _check_units(da: "xr.DataArray", dims: tuple[str, str], crs: str | None) -> None:
+    """Check that coordinates are lengths, in the unit of the heights as far as both are named."""
+    named = {dim: str(da.coords[dim].attrs.get("units", "")).strip() for dim in dims}
+    system = None if crs is None else _geosweep.units_of_system(crs)
+    are_angles, length, height = (False, None, None) if system is None else system
+    angular = any(unit.lower().startswith(_ANGLES) for unit in named.values())
+    by_name = {"lon", "longitude", "lat", "latitude"} & {dim.lower() for dim in dims}
+    if are_angles or angular or by_name or _has_geographic_mapping(da):
         raise ValueError(
-            f"coordinates and heights have different units ({said}); convert one of them"
+            f"the coordinates {dims[1]!r} and {dims[0]!r} are angles (degrees), which have no "
+            "length; project the array first, with rioxarray: "
+            "da.rio.reproject(da.rio.estimate_utm_crs())"
         )
+    named["the heights"] = str(da.attrs.get("units", "")).strip()
+    known = {name: _LENGTHS.get(unit.lower()) for name, unit in named.items()}
+    known["the coordinate system"] = length
+    named["the coordinate system"] = f"units of {length} m"
+    if known["the heights"] is None and not named["the heights"] and height is not None:
+        known["the heights"], named["the heights"] = height, f"units of {height} m (by their CRS)"
+    lengths = {name: unit for name, unit in known.items() if unit is not None}
+    if lengths and max(lengths.values()) > min(lengths.values()) * (1 + _ROUNDED_UNIT):
+        said = ", ".join(f"{name} in {named[name]}" for name in lengths)
+        raise ValueError(
+            f"coordinates and heights have different units ({said}); convert one of them, or mend "
+            "the attribute units"
+        )
+    is_metric = length is None or abs(length - 1) < _ROUNDED_UNIT
+    if not is_metric and known["the heights"] is None:
+        raise ValueError(
+            f"the coordinate system has units of {length} m, and the array does not say the unit "
+            "of its heights; set da.attrs['units'], after a conversion if they are in metres"
+        )
+
+
+# Beginnings of the names of units of angles.
+_ANGLES = ("degree", "deg", "rad", "grad", "gon", "arc")
+# Relative difference of units that are one, since the US survey foot is also called the foot.
+_ROUNDED_UNIT = 1e-5
+
+
+def _has_geographic_mapping(da: "xr.DataArray") -> bool:
+    """Return whether attributes after CF name a grid mapping of longitudes and latitudes."""
+    mapping = da.encoding.get("grid_mapping", da.attrs.get("grid_mapping", "spatial_ref"))
+    name = da.coords[mapping].attrs.get("grid_mapping_name", "") if mapping in da.coords else ""
+    return str(name) in ("latitude_longitude", "rotated_latitude_longitude")
 
 
 def _warn_of_scale(place: Place) -> None:
     """Warn if lengths on the map are not those on the ground."""
-    found = re.findall(r'(?:AUTHORITY|ID)\["EPSG",\s*"?(\d+)"?\]\s*\]\s*$', place.crs or "")
+    # The system of heights, if there is one, follows that of the map.
+    across = re.split(r",\s*VERT", place.crs or "")[0]
+    found = re.findall(r'(?:AUTHORITY|ID)\["EPSG",\s*"?(\d+)"?\]\s*\]\s*$', across)
     if not found or int(found[-1]) > 32766:
         return
     at = (place.x0, place.y0, place.dx, place.dy, *place.shape)
@@ -187,18 +222,6 @@ def _warn_of_scale(place: Place) -> None:
         )
 
 
-def _refuse_degrees(da: "xr.DataArray", dims: tuple[str, str], crs: str | None) -> None:
-    units = [str(da.coords[dim].attrs.get("units", "")).lower() for dim in dims]
-    geographic = ("GEOGCS", "GEOGCRS", "GEODCRS", "EPSG:4326", "OGC:CRS84")
-    is_geographic = crs is not None and crs.upper().startswith(geographic)
-    named = {"lon", "longitude", "lat", "latitude"} & {str(dim).lower() for dim in dims}
-    if is_geographic or any(unit.startswith("degree") for unit in units) or named:
-        raise ValueError(
-            f"the coordinates {dims[1]!r} and {dims[0]!r} are degrees, which have no length; "
-            "project the array first, with rioxarray: da.rio.reproject(da.rio.estimate_utm_crs())"
-        )
-
-
 def _grid(da: "xr.DataArray") -> _Grid:
     if da.ndim < 2 or any(size != 1 for size in da.shape[:-2]):
         raise ValueError(
@@ -211,8 +234,7 @@ def _grid(da: "xr.DataArray") -> _Grid:
     ys, xs = _axis(da, y), _axis(da, x)
     (y0, dy), (x0, dx) = (ys.first, ys.step), (xs.first, xs.step)
     crs = _crs(da)
-    _refuse_degrees(da, (y, x), crs)
-    _check_units(da, (y, x))
+    _check_units(da, (y, x), crs)
     shape = (da.sizes[y], da.sizes[x])
     # Rows run to the south, columns to the east.
     top = y0 if dy < 0 else y0 + dy * (shape[0] - 1)
