@@ -85,6 +85,7 @@ def _stands_for(values: NDArray[Any], fill: float) -> NDArray[np.bool_]:
         return np.asarray(values == fill)
     with np.errstate(over="ignore", invalid="ignore"):
         fill = values.dtype.type(fill)
-        # As GDAL compares, to two units in the last place. Sums of the largest numbers overflow.
-        rounding = 2 * np.finfo(values.dtype).eps * np.abs(values + fill)
+        # As GDAL compares, to four units in the last place of float32. Sums of the largest numbers
+        # overflow.
+        rounding = values.dtype.type(2 * np.finfo(np.float32).eps) * np.abs(values + fill)
         return np.asarray((values == fill) | (np.abs(values - fill) < rounding))

@@ -235,6 +235,10 @@ fn heights(grid: Grid<f64>) -> Content {
 fn array(path: &Path) -> Result<Content, IoError> {
     let array = read_array(path, &["surface", "positions", "heights", "metric"])?;
     let reason = |reason| IoError::content(path, reason);
+    if array.dtype.kind == b'b' {
+        let why = "holds booleans, which are no surface; a mask is given beside one, as with the tool's --mask";
+        return Err(IoError::content(path, why));
+    }
     match *array.shape {
         [_, _] => Ok(heights(matrix(path, array, "a height field")?)),
         [rows, cols, 3] => {
