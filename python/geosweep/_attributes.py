@@ -48,9 +48,7 @@ def decoded(name: str, array: Any) -> NDArray[Any]:
     if values.dtype.kind == "i" and str(attrs.get("_Unsigned")).lower() == "true":
         values = values.view(values.dtype.str.replace("i", "u"))
     fills = {fill for key in _FILLS for fill in numbers(key)}
-    if hasattr(array, "rio") and array.rio.nodata is not None:
-        # rioxarray's set_nodata() leaves the attributes as they are.
-        fills.add(float(array.rio.nodata))
+    fills.update(_nodata_of(array))
     missing = np.zeros(values.shape, np.bool_)
     for fill in fills:
         missing |= _stands_for(values, fill)
@@ -64,6 +62,16 @@ def decoded(name: str, array: Any) -> NDArray[Any]:
     if (scale, offset) != (1.0, 0.0):
         values = values * scale + offset
     return np.ma.masked_array(values, missing) if missing.any() else values
+
+
+def _nodata_of(array: Any) -> list[float]:
+    """Return the value that was set with rioxarray's set_nodata(), beside the attributes."""
+    try:
+        found = array.rio.nodata if hasattr(array, "rio") else None
+    except (TypeError, ValueError, OverflowError):
+        # An attribute of several numbers, or of another type than the array.
+        return []
+    return [] if found is None else [float(found)]
 
 
 def _numbers(name: str, attrs: Mapping[Any, Any], key: str) -> list[float]:

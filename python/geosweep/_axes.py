@@ -36,11 +36,23 @@ class GridAxes:
         """Return whether an array of this shape has a value for each point."""
         return shape[-2:] == self.shape and all(size == 1 for size in shape[:-2])
 
+    def are_those_of(self, value: Any) -> bool:
+        """Return whether a value is an array of xarray with a number for each point of the grid.
+
+        Its axes have the same names, or its size is that of the grid.
+        """
+        if not is_data_array(value):
+            return False
+        shape = tuple(size for size in value.shape if size != 1)
+        return set(self.dims) <= set(value.dims) or shape in (self.shape, self.shape[::-1])
+
     def north_up(self, name: str, array: ArrayLike) -> NDArray[Any]:
         """Return the values of an array of the user's array's shape in the order of the grid."""
-        if is_data_array(array):
-            array = self._like(name, array)
         values = given(name, array)
+        if is_data_array(array):
+            # What the array's attributes say of its values would not outlive a selection.
+            places = np.arange(values.size).reshape(values.shape)
+            values = values.ravel()[self._like(name, array.copy(data=places)).values]
         if not self.fit(values.shape):
             raise ValueError(f"{name} must have the array's shape {self.shape}, not {values.shape}")
         values = values.reshape(self.shape)

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ._arrays import Floats, described, flags, given, is_number, numbers, on_host
 from ._settings import Settings
-from ._tables import ROW_COL, columns_of, is_frame
+from ._tables import ROW_COL, columns_of, is_frame, refuse_apart
 
 
 @dataclass(frozen=True)
@@ -75,13 +75,7 @@ def placed(source: Source, shape: tuple[int, int]) -> Placed:
     if isinstance(source, Placed):
         return source
     if isinstance(source, Lines):
-        lines = [numbers("source", line) for line in source.vertices]
-        for line in lines:
-            if line.ndim != 2 or line.shape[1] != 2:
-                raise ValueError(
-                    f"source: each line needs the shape (n, 2), not {line.shape}; Lines takes a "
-                    "list of lines"
-                )
+        lines = [vertices_of(line) for line in source.vertices]
         starts = numbers("source starts", source.starts)
         if starts.shape not in ((), (len(lines),)):
             raise ValueError(
@@ -90,7 +84,7 @@ def placed(source: Source, shape: tuple[int, int]) -> Placed:
             )
         starts = np.broadcast_to(starts, (len(lines),))
         return Placed(np.empty((0, 3)), list(zip(lines, starts.tolist(), strict=True)))
-    refuse_apart(source)
+    refuse_apart("source", source)
     if is_frame(source):
         table = points_of(columns_of("source", source, ROW_COL, starts=True))
         assert table is not None  # It has two or three columns.
@@ -120,6 +114,18 @@ def placed(source: Source, shape: tuple[int, int]) -> Placed:
     return found
 
 
+def vertices_of(line: ArrayLike) -> Floats:
+    """Return the vertices (n, 2) of one of `Lines`."""
+    refuse_apart("source", line)
+    vertices = numbers("source", line)
+    if vertices.ndim != 2 or vertices.shape[1] != 2:
+        raise ValueError(
+            f"source: each line needs the shape (n, 2), not {vertices.shape}; Lines takes a list "
+            "of lines"
+        )
+    return vertices
+
+
 def points_of(values: NDArray[Any]) -> Placed | None:
     """Return points from an array (n, 2) of places or (n, 3) with starts, or None for other shapes.
 
@@ -141,19 +147,6 @@ def points_of(values: NDArray[Any]) -> Placed | None:
     if array.shape[1] == 2:
         array = np.column_stack([array, np.zeros(len(array))])
     return Placed(np.ascontiguousarray(array), rows=rows, count=count)
-
-
-def refuse_apart(source: object) -> None:
-    """Raise ValueError for a tuple of two arrays, as np.nonzero returns it.
-
-    It would be taken for two points if both arrays had two numbers.
-    """
-    arrays = source if isinstance(source, tuple) and len(source) in (2, 3) else ()
-    if arrays and all(isinstance(one, np.ndarray) and one.ndim == 1 for one in arrays):
-        raise ValueError(
-            "source: a tuple of arrays does not say whether they are points or coordinates; give "
-            "np.column_stack(source) if they are coordinates, and np.array(source) if points"
-        )
 
 
 def labels_of(labels: Any, source: Any, found: Placed, shape: tuple[int, int]) -> Any:

@@ -416,11 +416,7 @@ class Surface:
     def _aligned(self, name: str, value: Any) -> Any:
         """Return a raster of xarray in the order of the grid, if that was made of another one."""
         axes = self._axes
-        if axes is None or not is_data_array(value):
-            return value
-        shape = tuple(size for size in value.shape if size != 1)
-        is_raster = set(axes.dims) <= set(value.dims) or shape in (axes.shape, axes.shape[::-1])
-        return axes.north_up(name, value) if is_raster else value
+        return value if axes is None or not axes.are_those_of(value) else axes.north_up(name, value)
 
     def farthest_points(self, source: Source, count: int) -> tuple[NDArray[np.int64], float]:
         """Sample the surface evenly.

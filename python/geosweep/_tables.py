@@ -65,6 +65,7 @@ def _column(name: str, table: Any, column: Any) -> Floats:
 
 def places_of(name: str, value: ArrayLike, columns: Columns = ROW_COL) -> Floats:
     """Return places (n, 2), also from one place and from a table, by the names of its columns."""
+    refuse_apart(name, value)
     places = columns_of(name, value, columns) if is_frame(value) else numbers(name, value)
     if places.shape in ((0,), (2,)):  # no place, or one
         places = places.reshape(-1, 2)
@@ -72,3 +73,16 @@ def places_of(name: str, value: ArrayLike, columns: Columns = ROW_COL) -> Floats
         order = "x and y" if columns is XY else "rows and columns"
         raise ValueError(f"{name} must be {order} (n, 2), not of the shape {places.shape}")
     return places
+
+
+def refuse_apart(name: str, value: object) -> None:
+    """Raise ValueError for a tuple of two arrays, as np.nonzero returns it.
+
+    It would be taken for two points if both arrays had two numbers.
+    """
+    arrays = value if isinstance(value, tuple) and len(value) in (2, 3) else ()
+    if arrays and all(getattr(one, "ndim", 0) == 1 for one in arrays):
+        raise ValueError(
+            f"{name}: a tuple of arrays does not say whether they are points or coordinates; give "
+            f"np.column_stack({name}) if they are coordinates, and np.array({name}) if points"
+        )

@@ -17,16 +17,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _frames, _geosweep, _plot
-from ._arrays import Floats, flags, given, numbers
+from ._arrays import Floats, flags, given
 from ._attributes import OF_VALUES
 from ._axes import GridAxes
 from ._inputs import Inputs
 from ._map import DistanceMap
 from ._optional import needed
 from ._place import Place
-from ._sources import Lines, Placed, Source, points_of, refuse_apart
+from ._sources import Lines, Placed, Source, points_of, vertices_of
 from ._surface import Surface, check_out
-from ._tables import XY, columns_of, is_frame, places_of
+from ._tables import XY, columns_of, is_frame, places_of, refuse_apart
 from ._warnings import ScaleWarning
 
 if TYPE_CHECKING:
@@ -77,8 +77,13 @@ class _Grid:
 
 def _crs(da: "xr.DataArray") -> str | None:
     """Return the coordinate reference system as WKT, from rioxarray or CF's attributes."""
-    if hasattr(da, "rio") and da.rio.crs is not None:
-        return str(da.rio.crs.to_wkt())
+    try:
+        of_rio = da.rio.crs if hasattr(da, "rio") else None
+    except (RuntimeError, ValueError):
+        # rioxarray cannot interpret an attribute, which may be enough here.
+        of_rio = None
+    if of_rio is not None:
+        return str(of_rio.to_wkt())
     for name in (da.encoding.get("grid_mapping"), da.attrs.get("grid_mapping"), "spatial_ref"):
         if name in da.coords:
             attrs = da.coords[name].attrs
@@ -416,11 +421,11 @@ class Accessor:
             shapes = list(source) if isinstance(source, (list, tuple)) else [source]
             return _frames.sources_of_shapes(shapes, np.zeros(len(shapes)), place, strict)
         if isinstance(source, Lines):
-            lines = [place.to_grid("source", numbers("source", xy)) for xy in source.vertices]
+            lines = [place.to_grid("source", vertices_of(xy)) for xy in source.vertices]
             return Lines(lines, source.starts)
-        if isinstance(source, xr.DataArray) or grid.axes.fit(_shape(source)):
+        if grid.axes.are_those_of(source) or grid.axes.fit(_shape(source)):
             return flags("source", grid.axes.north_up("source", source))
-        refuse_apart(source)
+        refuse_apart("source", source)
         if is_frame(source):
             source = columns_of("source", source, XY, starts=True)
         found = points_of(given("source", source))
@@ -459,7 +464,7 @@ class Accessor:
         on_grid: dict[str, Any] = {
             name: grid.axes.north_up(name, array) for name, array in inputs.given().items()
         }
-        heights = grid.axes.north_up("heights", self._da)
+        heights = grid.axes.north_up("heights", given("heights", self._da))
         spacing = (grid.place.dy, grid.place.dx)
         made = Surface.from_heights(heights, spacing, edges=edges, **on_grid)
         made._axes = grid.axes
@@ -510,7 +515,7 @@ class Accessor:
         source = self._source(source_xy, grid, strict)
         if isinstance(labels, str) and hasattr(source_xy, "columns"):
             labels = _column(source_xy, labels)
-        elif labels is not None and grid.axes.fit(_shape(labels)):
+        elif grid.axes.are_those_of(labels) or grid.axes.fit(_shape(labels)):
             labels = grid.axes.north_up("labels", labels)
         found = GeoMap(grid, surface.solve(source, labels=labels, **options))
         if out is not None:
