@@ -46,7 +46,7 @@ class GridAxes:
         shape = tuple(size for size in value.shape if size != 1)
         return set(self.dims) <= set(value.dims) or shape in (self.shape, self.shape[::-1])
 
-    def north_up(self, name: str, array: ArrayLike) -> NDArray[Any]:
+    def north_up(self, name: str, array: Any) -> NDArray[Any]:
         """Return the values of an array of the user's array's shape in the order of the grid."""
         values = given(name, array)
         if is_data_array(array):
