@@ -17,7 +17,7 @@ use geosweep_surface::{Ellipsoid, MetricTensor, Spacing, Surface, SurfaceError};
 ///
 /// | extension | content |
 /// |---|---|
-/// | `.npy` | positions (M, N, 3), heights (M, N) or a metric (M, N, 2, 2), any number type |
+/// | `.npy` | positions (M, N, 3), heights (M, N) or a metric (M, N, 2, 2), of integers or floating-point numbers |
 /// | `.npz` | one such array; of several, the first named `surface`, `positions`, `heights` or `metric` |
 /// | `.png` | heights, grey, 8 or 16 bits, with the world file (`.pgw`) and the `.aux.xml` that GDAL reads beside it |
 /// | `.tif`, `.tiff` | heights, one band, as GDAL reads it: with scale, offset, no-data value and mask |
