@@ -55,6 +55,8 @@ def given(name: str, value: ArrayLike) -> NDArray[Any]:
             found = np.asanyarray(value)
         except ValueError as error:
             raise TypeError(f"{name} is no array, since its rows have different lengths") from error
+        except TypeError as error:
+            raise TypeError(f"{name} is no array, but {described(value)}") from error
         return found if isinstance(found, np.ma.MaskedArray) else np.asarray(found)
     array: Any = value
     try:
@@ -208,7 +210,10 @@ def flags(name: str, value: ArrayLike, missing: bool = False) -> NDArray[np.bool
     """
     array = given(name, value)
     if array.dtype.kind not in "biuf":
-        raise TypeError(f"{name} must be an array of booleans or numbers, not of {array.dtype}")
+        raise TypeError(
+            f"{name} must be an array of booleans or numbers, not of {array.dtype}; convert it, as "
+            "with .astype(bool)"
+        )
     unknown = np.ma.getmaskarray(array)
     values = np.ma.getdata(array)
     if values.dtype.kind == "f":

@@ -71,7 +71,7 @@ def _nodata_of(array: Any) -> list[float]:
     except (TypeError, ValueError, OverflowError):
         # An attribute of several numbers, or of another type than the array.
         return []
-    return [float(found)] if np.ndim(found) == 0 and found is not None else []
+    return [] if found is None or np.ndim(found) != 0 else [float(found)]
 
 
 def _numbers(name: str, attrs: Mapping[Any, Any], key: str) -> list[float]:

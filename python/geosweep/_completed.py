@@ -1,14 +1,15 @@
 """Grids of closed surfaces without the lines that gluing needs twice."""
 
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _geosweep
-from ._arrays import Floats, given, numbers
-from ._settings import refuse
+from ._arrays import Floats, given
+from ._settings import check_choice
 from ._surface import Glue, Surface, compiled_of
+from ._tables import any_places_of
 
 Layout = Literal["columns", "rows", "both", "flipped-columns", "flipped-rows", "globe", "cube"]
 
@@ -63,8 +64,9 @@ class CompletedGrid:
         *,
         last: Literal["repeated", "apart"] | None = None,
     ) -> None:
-        if last not in (None, "repeated", "apart"):
-            refuse("last", last, "'repeated' or 'apart'")
+        check_choice("layout", layout, *get_args(Layout))
+        if last is not None:
+            check_choice("last", last, "repeated", "apart")
         self._grid = _geosweep.CompletedGrid(compiled_of(surface), layout, last)
         self._glue: Glue = "charts" if layout == "cube" else layout
 
@@ -125,7 +127,7 @@ class CompletedGrid:
 
 
 def _places(places: ArrayLike) -> Floats:
-    at = numbers("places", places)
+    at = any_places_of("places", places)
     if at.ndim == 0 or at.shape[-1] != 2:
         raise ValueError(f"places must be rows and columns (..., 2), not {at.shape}")
     return at

@@ -1,15 +1,15 @@
 """The distance map, and geometry from it."""
 
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _geosweep
-from ._arrays import Floats, count, flags, is_count, numbers, real
+from ._arrays import Floats, count, flags, is_count, numbers, real, switch
 from ._plot import draw, round_levels
 from ._results import Basis, Curves, Path, Ridge, Voronoi
-from ._settings import refuse
+from ._settings import check_choice
 from ._sources import Placed, Problem
 from ._tables import places_of
 
@@ -71,8 +71,7 @@ class LogMap:
         `DistanceMap.back_direction` explains the units. The bearing is 0 at sources and -1 where no
         source reaches.
         """
-        if unit not in ("compass", "grass"):
-            refuse("unit", unit, "'compass' or 'grass'")
+        check_choice("unit", unit, "compass", "grass")
         return self._map.source_direction(unit)
 
 
@@ -165,8 +164,7 @@ class DistanceMap:
         >>> m.back_direction()[10, 0].item(), m.back_direction("grid")[20, 10, 0].item()
         (90.0, -1.0)
         """
-        if unit not in ("compass", "grass", "grid", "space"):
-            refuse("unit", unit, "'compass', 'grass', 'grid' or 'space'")
+        check_choice("unit", unit, *get_args(Direction))
         return _geosweep.back_direction(self._map, unit)
 
     def back_link(self) -> NDArray[np.int8]:
@@ -270,8 +268,7 @@ class DistanceMap:
 
         The side is ``"left"`` or ``"right"``, as seen in a picture with rows downwards.
         """
-        if side not in ("left", "right"):
-            refuse("side", side, "'left' or 'right'")
+        check_choice("side", side, "left", "right")
         chosen = np.atleast_1d(numbers("levels", levels)).tolist()
         return [Curves(*curves) for curves in self._map.offsets(chosen, side == "left")]
 
@@ -316,7 +313,7 @@ class DistanceMap:
         """
         spacing = self._surface.spacing or (1.0, 1.0)
         lines = self._lines(contours, paths)
-        return draw(ax, self.distance, spacing, lines, cmap, colorbar)
+        return draw(ax, self.distance, spacing, lines, cmap, switch("colorbar", colorbar))
 
     def _lines(
         self, contours: int | ArrayLike, paths: ArrayLike | None

@@ -19,11 +19,11 @@ def indices(surface: Surface, rows: ArrayLike | None) -> NDArray[np.int64]:
     """Return row-major indices of grid points after a check; all points by default."""
     points = surface.shape[0] * surface.shape[1]
     wanted = np.arange(points) if rows is None else np.atleast_1d(on_host("rows", rows))
-    if wanted.ndim != 1 or wanted.dtype.kind not in "iu":
+    if wanted.size and (wanted.ndim != 1 or wanted.dtype.kind not in "iu"):
         raise TypeError("rows must be integers, the row-major indices of grid points")
     if len(wanted) and not 0 <= wanted.min() <= wanted.max() < points:
         raise ValueError(f"rows must lie from 0 to {points - 1}")
-    return wanted.astype(np.int64, copy=False)
+    return wanted.ravel().astype(np.int64, copy=False)
 
 
 def pairwise(

@@ -1,11 +1,11 @@
 """Options that solves share."""
 
-from typing import Literal, NoReturn, TypedDict
+from typing import Literal, TypedDict
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._arrays import count, real
+from ._arrays import count, is_count, real
 from ._tables import places_of
 
 Engine = Literal["auto", "cpu", "gpu"]
@@ -26,9 +26,12 @@ class Settings(TypedDict):
     needed: int | None
 
 
-def refuse(name: str, value: object, choices: str) -> NoReturn:
-    """Raise a ValueError that names the argument and its choices."""
-    raise ValueError(f"{name}={value!r} is unknown; choose {choices}")
+def check_choice(name: str, value: object, *choices: str) -> None:
+    """Raise ValueError, which names the argument and its choices, for a value that is none."""
+    if isinstance(value, str) and value in choices:
+        return
+    *others, last = (repr(choice) for choice in choices)
+    raise ValueError(f"{name}={value!r:.60} is unknown; choose {', '.join(others)} or {last}")
 
 
 def grid_points(name: str, value: ArrayLike) -> NDArray[np.int64]:
@@ -60,11 +63,9 @@ def settings(
     needed: int | None = None,
 ) -> Settings:
     """Check options, and return them as the compiled part takes them."""
-    if engine not in ("auto", "cpu", "gpu"):
-        refuse("engine", engine, "'auto', 'cpu' or 'gpu'")
-    if wavefront not in ("auto", "planar", "circular", "curved", "anchored", "rays"):
-        names = "'auto', 'planar', 'circular', 'curved', 'anchored' or 'rays'"
-        refuse("wavefront", wavefront, names)
+    check_choice("engine", engine, "auto", "cpu", "gpu")
+    fronts = ("auto", "planar", "circular", "curved", "anchored", "rays")
+    check_choice("wavefront", wavefront, *fronts)
     iterations = None if iterations is None else count("iterations", iterations)
     # A pool of many thousands takes minutes to start.
     threads = None if threads is None else count("threads", threads, most=1024)
@@ -72,6 +73,10 @@ def settings(
     radius = None if radius is None else real("radius", radius)
     if radius is not None and not radius > 0:
         raise ValueError(f"radius={radius!r} must be positive; leave it out for no limit")
+    if device is not None and not is_count(device) and not (isinstance(device, str) and device):
+        raise TypeError(
+            f"device={device!r:.60} must be the index or a part of the name of a device"
+        )
     if device is not None and engine == "cpu":
         raise ValueError(f"device={device!r} is for engine='gpu'; leave out one of them")
     points = None
@@ -109,4 +114,4 @@ def is_double(dtype: object) -> bool:
         return False
     if found == np.float64:
         return True
-    refuse("dtype", dtype, "'float32' or 'float64'")
+    raise ValueError(f"dtype={dtype!r} is unknown; choose 'float32' or 'float64'")

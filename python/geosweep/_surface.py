@@ -14,7 +14,7 @@ from ._arrays import count as whole
 from ._axes import GridAxes
 from ._inputs import Inputs
 from ._map import DistanceMap
-from ._settings import Engine, Wavefront, check_progress, is_double, refuse, settings
+from ._settings import Engine, Wavefront, check_choice, check_progress, is_double, settings
 from ._sources import Placed, Source, labels_of, native, on_surface, placed
 from ._warnings import SeamWarning, check
 
@@ -126,8 +126,7 @@ class Surface:
         axes: GridAxes | None = None,
         read: NDArray[Any] | None = None,
     ) -> "Surface":
-        if edges not in ("arc", "chord"):
-            refuse("edges", edges, "'arc' or 'chord'")
+        check_choice("edges", edges, "arc", "chord")
         points, slow = inputs.on(compiled.shape)
         if points is not None or slow is not None or edges == "chord":
             compiled = compiled.with_inputs(points, slow, edges == "chord")
@@ -168,7 +167,7 @@ class Surface:
             Mask (M, N) that is true at holes, like NumPy's masks.
         slowness
             Reciprocal speed (M, N): distances become travel times. Infinite, NaN and missing values
-            are walls.
+            are walls, and 0 is free travel.
         speed
             Speed (M, N), the reciprocal of a slowness. Zero, NaN and missing values are walls.
         edges
@@ -363,7 +362,8 @@ class Surface:
         tolerance, iterations
             Limits at which to stop: the relative change, and the number of iterations.
         radius
-            Largest distance. Farther points are unreached, and not computed.
+            Largest distance. Farther points are unreached, and not computed. With ``targets`` too,
+            the map ends where the first of both limits is.
         targets
             Grid points (n, 2) that the map is for. Points farther than the farthest of them are
             unreached, and not computed.
@@ -409,8 +409,7 @@ class Surface:
 
     def _placed(self, source: Source, outside: str) -> Placed:
         """Return sources on the surface, as the compiled part takes them."""
-        if outside not in ("refuse", "skip", "snap"):
-            refuse("sources_outside", outside, "'refuse', 'skip' or 'snap'")
+        check_choice("sources_outside", outside, "refuse", "skip", "snap")
         return on_surface(placed(source, self.shape), self._surface, outside)
 
     def _aligned(self, name: str, value: Any) -> Any:

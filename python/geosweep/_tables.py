@@ -65,14 +65,19 @@ def _column(name: str, table: Any, column: Any) -> Floats:
 
 def places_of(name: str, value: ArrayLike, columns: Columns = ROW_COL) -> Floats:
     """Return places (n, 2), also from one place and from a table, by the names of its columns."""
-    refuse_apart(name, value)
-    places = columns_of(name, value, columns) if is_frame(value) else numbers(name, value)
+    places = any_places_of(name, value, columns)
     if places.shape in ((0,), (2,)):  # no place, or one
         places = places.reshape(-1, 2)
     if places.ndim != 2 or places.shape[1] != 2:
         order = "x and y" if columns is XY else "rows and columns"
         raise ValueError(f"{name} must be {order} (n, 2), not of the shape {places.shape}")
     return places
+
+
+def any_places_of(name: str, value: ArrayLike, columns: Columns = ROW_COL) -> Floats:
+    """Return places (..., 2); those of a table by the names of its columns."""
+    refuse_apart(name, value)
+    return columns_of(name, value, columns) if is_frame(value) else numbers(name, value)
 
 
 def refuse_apart(name: str, value: object) -> None:

@@ -84,7 +84,7 @@ def pairwise(
         memory.
     """
     compiled_of(surface)
-    wanted = indices(surface, rows)
+    wanted, chunks = indices(surface, rows), whole("chunks", chunks)
     _check(options)
     columns = surface.shape[0] * surface.shape[1]
     return da.from_array(wanted, chunks=chunks, name=False).map_blocks(
@@ -124,6 +124,7 @@ def distances(
         As in `Surface.solve`.
     """
     compiled_of(surface)
+    chunks = whole("chunks", chunks)
     for source in sources:
         native(source, surface.shape)
     _check(options)
@@ -145,7 +146,7 @@ def distances(
 
 def _check(options: dict[str, Any]) -> None:
     """Check the options here, so that errors are not first raised in a worker."""
-    for name in ("out", "progress"):
+    for name in ("out", "progress", "labels"):
         if name in options:
             raise TypeError(f"{name} has no meaning for Dask's arrays; leave it out")
     others = ("strict", "sources_outside")
@@ -153,5 +154,4 @@ def _check(options: dict[str, Any]) -> None:
 
 
 def _sizes(count: int, chunk: int) -> tuple[int, ...]:
-    chunk = whole("chunks", chunk)
     return (chunk,) * (count // chunk) + ((count % chunk,) if count % chunk else ())

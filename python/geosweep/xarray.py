@@ -17,13 +17,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _frames, _geosweep, _plot
-from ._arrays import Floats, flags, given
+from ._arrays import Floats, described, flags, given, switch
 from ._attributes import OF_VALUES
 from ._axes import GridAxes
 from ._inputs import Inputs
 from ._map import DistanceMap
 from ._optional import needed
 from ._place import Place
+from ._settings import check_choice
 from ._sources import Lines, Placed, Source, points_of, vertices_of
 from ._surface import Surface, check_out
 from ._tables import XY, columns_of, is_frame, places_of, refuse_apart
@@ -299,8 +300,7 @@ class GeoMap:
 
     def back_direction(self, unit: Literal["compass", "grass"] = "compass") -> "xr.DataArray":
         """Return the bearing of the way back in degrees; see `DistanceMap.back_direction`."""
-        if unit not in ("compass", "grass"):
-            raise ValueError(f"unit={unit!r} is unknown; choose 'compass' or 'grass'")
+        check_choice("unit", unit, "compass", "grass")
         found = self.map.back_direction(unit)
         what = "direction of the way back, in degrees"
         return self._grid.back("back_direction", found, what, "degree")
@@ -356,7 +356,8 @@ class GeoMap:
         )
         extent = (left, right, bottom, top)
         lines = self.map._lines(contours, None if paths is None else _ends(paths, place))
-        ax = _plot.raster(ax, self.map.distance, extent, 1.0, cmap, colorbar)
+        shown = switch("colorbar", colorbar)
+        ax = _plot.raster(ax, self.map.distance, extent, 1.0, cmap, shown)
         _plot.add_lines(ax, lines, place.to_xy)
         ax.ticklabel_format(style="plain", useOffset=False)
         ax.locator_params(axis="x", nbins=4)
@@ -432,8 +433,8 @@ class Accessor:
         if not isinstance(found, Placed):
             raise ValueError(
                 "source must be (x, y), an array (n, 2), an array (n, 3) with start times, Lines, "
-                "a table, geometries, or a raster like the heights, not of the shape "
-                f"{_shape(source)}"
+                "a table, geometries, or a raster like the heights, not "
+                f"{described(source)}"
             )
         places = place.to_grid("source", found.points[:, :2], strict)
         points = np.column_stack([places, found.points[:, 2]])

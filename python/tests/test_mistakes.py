@@ -292,3 +292,49 @@ def test_results_do_not_overwrite_the_surface() -> None:
     # One call needs the heights no more.
     expected = gs.distance(Z, (0, 0), dtype="float64")
     assert np.array_equal(gs.distance(heights, (0, 0), dtype="float64", out=heights), expected)
+
+
+CHOICES: dict[str, Call] = {
+    "engine": lambda it: SURFACE.solve((0, 0), engine=it),
+    "wavefront": lambda it: gs.distance(Z, (0, 0), wavefront=it),
+    "sources_outside": lambda it: SURFACE.solve((0, 0), sources_outside=it),
+    "edges": lambda it: gs.Surface.from_heights(Z, edges=it),
+    "unit": lambda it: MAP.back_direction(it),
+    "side": lambda it: SURFACE.solve(gs.Lines([[(0, 0), (5, 5)]])).offsets([1.0], it),
+    "layout": lambda it: gs.CompletedGrid(SURFACE, it),
+    "last": lambda it: gs.CompletedGrid(SURFACE, "columns", last=it),
+}
+
+
+@pytest.mark.parametrize("name", CHOICES)
+def test_choices_are_listed(name: str) -> None:
+    for wrong in ("Nothing", "", 3, np.array(["auto", "cpu"]), ["cpu"], True):
+        with pytest.raises(ValueError, match=rf"^{name}=.* is unknown; choose '.*' or '"):
+            CHOICES[name](wrong)
+
+
+def test_devices_are_named_or_numbered() -> None:
+    for wrong in ("", 0.0, True, ["llvmpipe"]):
+        with pytest.raises(TypeError, match=r"device=.* must be the index or a part of the name"):
+            SURFACE.solve((0, 0), device=wrong)  # type: ignore[arg-type]
+
+
+def test_places_on_given_grids_are_read_like_others() -> None:
+    grid = gs.CompletedGrid(SURFACE, "columns", last="apart")
+    places = np.array([[2.0, 3.0], [4.0, 5.0]])
+    for convert in (grid.to_completed, grid.to_given):
+        assert convert(places.reshape(2, 1, 2)).shape == (2, 1, 2)
+        with pytest.raises(ValueError, match="places: a tuple of arrays does not say"):
+            convert(tuple(places.T))
+        pd = pytest.importorskip("pandas")
+        table = pd.DataFrame({"col": places[:, 1], "row": places[:, 0]})
+        assert np.array_equal(convert(table), convert(places))
+    with pytest.raises(ValueError, match="rows go from 0 to 16, columns from 0 to 21"):
+        grid.to_completed((-1.0, 3.0))
+
+
+def test_rows_may_be_none() -> None:
+    assert gs.pairwise(SURFACE, []).shape == (0, Z.size)
+    for wrong in ([1.0], np.ones(Z.size, bool), [[0, 1]]):
+        with pytest.raises(TypeError, match="rows must be integers"):
+            gs.pairwise(SURFACE, wrong)
