@@ -210,10 +210,8 @@ def flags(name: str, value: ArrayLike, missing: bool = False) -> NDArray[np.bool
     """
     array = given(name, value)
     if array.dtype.kind not in "biuf":
-        raise TypeError(
-            f"{name} must be an array of booleans or numbers, not of {array.dtype}; convert it, as "
-            "with .astype(bool)"
-        )
+        what = f"an array of {array.dtype}" if array.shape else f"a {type(value).__name__}"
+        raise TypeError(f"{name} must be an array of booleans or numbers, not {what}")
     unknown = np.ma.getmaskarray(array)
     values = np.ma.getdata(array)
     if values.dtype.kind == "f":
