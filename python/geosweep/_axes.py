@@ -66,7 +66,10 @@ class GridAxes:
         try:
             array = array.squeeze(drop=True).transpose(*self.dims)
             for dim, values in self.coords.items():
-                if dim in array.coords and array.sizes[dim] == len(values):
+                is_there = dim in array.coords and array.sizes[dim] == len(values)
+                if is_there and not np.array_equal(array.coords[dim].values, values):
+                    if not array.indexes[dim].is_unique:
+                        raise ValueError(f"coordinates along {dim!r} are given twice")
                     array = array.sel({dim: values})
         except (KeyError, ValueError) as error:
             raise ValueError(f"{name} must have the coordinates of the heights: {error}") from error

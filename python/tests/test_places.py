@@ -138,6 +138,15 @@ class TestXarray:
         with pytest.raises(ValueError, match="takes a list of lines"):
             self.heights.geosweep.distance(gs.Lines(xy.values))
 
+    def test_coordinates_that_are_given_twice(self) -> None:
+        twice = self.heights.assign_coords(x=np.arange(21) // 2)
+        mask = self.xr.ones_like(twice)
+        mask[5, 6] = 0
+        d = gs.distance(twice, (0, 0), spacing=1, mask=mask)
+        assert np.isinf(d[5, 6]) and np.isinf(d).sum() == 1
+        with pytest.raises(ValueError, match=r"mask must have the coordinates .* given twice"):
+            gs.distance(twice, (0, 0), spacing=1, mask=mask[:, ::-1])
+
     def test_places_that_are_no_coordinates_along_the_axes_are_told(self) -> None:
         two = {"lat": (("j", "i"), Z), "lon": (("j", "i"), Z)}
         curvilinear = self.xr.DataArray(Z, two, ("j", "i"))
