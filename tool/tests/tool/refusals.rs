@@ -66,7 +66,10 @@ fn wrong_surfaces_are_refused_by_name() {
         let header = format!("{{'descr': '|b1', 'fortran_order': False, 'shape': {shape}}}");
         let length = [header.len() as u8, 0];
         let values = vec![1; count];
-        bench.input(name, [b"\x93NUMPY\x01\x00", &length[..], header.as_bytes(), &values].concat());
+        bench.input(
+            name,
+            [b"\x93NUMPY\x01\x00", &length[..], header.as_bytes(), &values[..]].concat(),
+        );
     }
     let mut rgb = Vec::new();
     let mut encoder = png::Encoder::new(&mut rgb, 2, 2);
