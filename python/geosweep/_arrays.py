@@ -42,6 +42,7 @@ def given(name: str, value: ArrayLike) -> NDArray[Any]:
     """Return the content of ``value`` as a NumPy array, masked where values are missing."""
     if isinstance(value, np.ma.MaskedArray):
         return value
+    _refuse_unit(name, value)
     if isinstance(value, np.ndarray):
         return np.asarray(value)
     if is_data_array(value):
@@ -49,12 +50,19 @@ def given(name: str, value: ArrayLike) -> NDArray[Any]:
     if isinstance(value, (list, tuple)) and any(isinstance(v, np.ma.MaskedArray) for v in value):
         return np.ma.array(value)
     if not hasattr(value, "__dlpack_device__"):
-        return np.asarray(value)
+        # A variable of a NetCDF file, for one, makes a masked array.
+        try:
+            found = np.asanyarray(value)
+        except ValueError as error:
+            raise TypeError(f"{name} is no array, since its rows have different lengths") from error
+        except TypeError as error:
+            raise TypeError(f"{name} is no array, but {described(value)}") from error
+        return found if isinstance(found, np.ma.MaskedArray) else np.asarray(found)
     array: Any = value
     try:
         if array.__dlpack_device__()[0] in _HOST:
             return np.from_dlpack(array)
-        found = _copied(array)
+        copied = _copied(array)
     except (BufferError, RuntimeError, TypeError, ValueError) as error:
         raise TypeError(
             f"{name} cannot be taken through DLPack ({error}); give a NumPy array"
@@ -64,7 +72,20 @@ def given(name: str, value: ArrayLike) -> NDArray[Any]:
         HostCopyWarning,
         stacklevel=5,
     )
-    return found
+    return copied
+
+
+def _refuse_unit(name: str, value: Any) -> None:
+    """Raise ValueError for a quantity of astropy or pint, whose unit NumPy would drop."""
+    unit = getattr(value, "unit", getattr(value, "units", None))
+    # The units of xarray and NetCDF are texts, and those of dates have no array.
+    if unit is None or isinstance(unit, str) or not hasattr(value, "to"):
+        return
+    if str(unit) not in ("", "dimensionless"):
+        raise ValueError(
+            f"{name} is in {unit}, and units are not converted; give its numbers, in the unit of "
+            "all other lengths"
+        )
 
 
 def is_data_array(value: object) -> bool:
@@ -87,7 +108,8 @@ def _copied(array: Any) -> NDArray[Any]:
 
 def is_number(value: object) -> bool:
     """Return whether a value is one real number, so that no array has to be made of it."""
-    return isinstance(value, (int, float, np.integer, np.floating))
+    numeric = (int, float, np.integer, np.floating)
+    return isinstance(value, numeric) and not isinstance(value, bool)
 
 
 def is_count(value: object) -> bool:
@@ -98,6 +120,49 @@ def is_count(value: object) -> bool:
     return isinstance(value, (int, np.integer)) or is_scalar
 
 
+def real(name: str, value: Any) -> float:
+    """Return a value that must be one real number, also an array of no dimensions."""
+    if is_number(value):
+        return float(value)
+    array = on_host(name, value)
+    if array.shape != () or array.dtype.kind not in "iuf":
+        raise TypeError(f"{name} must be one number, not {described(value)}")
+    return float(array)
+
+
+def described(value: Any) -> str:
+    """Return what a value of a wrong type is, for messages."""
+    if isinstance(value, (str, bool, int, float, complex, type(None))):
+        return f"{value!r:.60}"
+    dtype, shape = getattr(value, "dtype", None), getattr(value, "shape", None)
+    if dtype is not None and shape:
+        return f"an array of {dtype} with the shape {shape}"
+    if isinstance(value, (list, tuple, dict, set, frozenset)):
+        return f"{value!r:.60}"
+    return f"a {type(value).__name__}"
+
+
+# Whole numbers up to this one suit the compiled part on all machines.
+_MOST = 2**31 - 1
+
+
+def count(name: str, value: Any, least: int = 1, most: int = _MOST) -> int:
+    """Return a value that must be one whole number from ``least`` to ``most``."""
+    if not is_count(value):
+        raise TypeError(f"{name}={value!r:.60} must be a whole number")
+    found = int(np.asarray(value))
+    if not least <= found <= most:
+        raise ValueError(f"{name}={found} must lie from {least} to {most}")
+    return found
+
+
+def switch(name: str, value: object) -> bool:
+    """Return a value that must be True or False. A text or a number is likely meant otherwise."""
+    if not isinstance(value, (bool, np.bool_)):
+        raise TypeError(f"{name}={value!r:.60} must be True or False")
+    return bool(value)
+
+
 def numbers(name: str, value: ArrayLike, missing: float | None = None) -> Floats:
     """Return an array of float64 in C order, or raise TypeError.
 
@@ -105,23 +170,37 @@ def numbers(name: str, value: ArrayLike, missing: float | None = None) -> Floats
     """
     try:
         array = on_host(name, value) if missing is None else given(name, value)
-    except TypeError as error:
-        raise _no_numbers(name, value, error) from error
-    except ValueError as error:
-        if "masked value" in str(error) or "attribute" in str(error):
+    except (TypeError, ValueError) as error:
+        if str(error).startswith(name):
             raise
-        raise _no_numbers(name, value, error) from error
-    if array.dtype.kind not in "biuf":
-        raise TypeError(f"{name} must be an array of real numbers, not {value!r:.60}")
+        # Lists of unequal lengths, for one.
+        raise TypeError(_no_numbers(name, described(value))) from error
+    if array.dtype.kind == "O":
+        array = _of_objects(name, array)
+    if array.dtype.kind not in "iuf":
+        what = described(value if np.shape(value) == array.shape else array)
+        of_masks = "; booleans are for mask=, holes= and rasters of sources"
+        more = of_masks if array.dtype.kind == "b" else ""
+        raise TypeError(_no_numbers(name, what) + more)
     if np.ma.is_masked(array):
         array = np.ma.filled(np.ma.asarray(array, np.float64), missing)
     # An array that was received from another process may not be aligned.
     return np.require(np.ma.getdata(array), np.float64, ["C", "A"])
 
 
-def _no_numbers(name: str, value: object, error: Exception) -> TypeError:
-    said = f"{name} must be an array of real numbers, not {value!r:.60}"
-    return TypeError(f"{said} ({error})" if "DLPack" in str(error) else said)
+def _no_numbers(name: str, what: str) -> str:
+    return f"{name} must be an array of real numbers, not {what}"
+
+
+def _of_objects(name: str, array: NDArray[Any]) -> NDArray[Any]:
+    """Return an array of objects as numbers, or raise TypeError for the first that is none."""
+    hidden = np.ma.getmaskarray(array)
+    for place, one in np.ndenumerate(np.ma.getdata(array)):
+        if not hidden[place] and not is_number(one):
+            where = f" at {list(place)}" if place else ""
+            raise TypeError(f"{_no_numbers(name, described(one))}{where}")
+    found = np.ma.masked_array(np.where(hidden, 0, np.ma.getdata(array)).astype(np.float64), hidden)
+    return found if hidden.any() else np.ma.getdata(found)
 
 
 def flags(name: str, value: ArrayLike, missing: bool = False) -> NDArray[np.bool_]:
@@ -131,9 +210,10 @@ def flags(name: str, value: ArrayLike, missing: bool = False) -> NDArray[np.bool
     """
     array = given(name, value)
     if array.dtype.kind not in "biuf":
-        raise TypeError(f"{name} must be an array of booleans or numbers, not of {array.dtype}")
+        what = f"an array of {array.dtype}" if array.shape else f"a {type(value).__name__}"
+        raise TypeError(f"{name} must be an array of booleans or numbers, not {what}")
     unknown = np.ma.getmaskarray(array)
     values = np.ma.getdata(array)
     if values.dtype.kind == "f":
         unknown = unknown | np.isnan(values)
-    return np.ascontiguousarray(np.where(unknown, missing, values != 0))
+    return np.require(np.where(unknown, missing, values != 0), requirements="C")

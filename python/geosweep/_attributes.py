@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 # Values that stand for "no value", as CF, rioxarray, xarray's former open_rasterio and others name
 # them.
 _FILLS = ("_FillValue", "missing_value", "nodata", "nodatavals", "fill_value")
+_RANGES = ("valid_min", "valid_max", "valid_range")
 # Attributes that describe the values of an array. Results computed from it do not take them over.
 OF_VALUES = {
     *_FILLS,
@@ -38,12 +39,18 @@ def decoded(name: str, array: Any) -> NDArray[Any]:
         return values
 
     def numbers(key: str) -> list[float]:
-        return _numbers(name, attrs, key)
+        found = _numbers(name, attrs, key)
+        if values.dtype.kind == "u" and key in (*_FILLS, *_RANGES):
+            # With _Unsigned these are stored as signed numbers, too.
+            return [number % 2 ** (8 * values.itemsize) for number in found]
+        return found
 
     if values.dtype.kind == "i" and str(attrs.get("_Unsigned")).lower() == "true":
         values = values.view(values.dtype.str.replace("i", "u"))
+    fills = {fill for key in _FILLS for fill in numbers(key)}
+    fills.update(_nodata_of(array))
     missing = np.zeros(values.shape, np.bool_)
-    for fill in {fill for key in _FILLS for fill in numbers(key)}:
+    for fill in fills:
         missing |= _stands_for(values, fill)
     valid = numbers("valid_range")
     for least in (*valid[:1], *numbers("valid_min")):
@@ -55,6 +62,16 @@ def decoded(name: str, array: Any) -> NDArray[Any]:
     if (scale, offset) != (1.0, 0.0):
         values = values * scale + offset
     return np.ma.masked_array(values, missing) if missing.any() else values
+
+
+def _nodata_of(array: Any) -> list[float]:
+    """Return the value that was set with rioxarray's set_nodata(), beside the attributes."""
+    try:
+        found = array.rio.nodata if hasattr(array, "rio") else None
+    except (TypeError, ValueError, OverflowError):
+        # An attribute of several numbers, or of another type than the array.
+        return []
+    return [] if found is None or np.ndim(found) != 0 else [float(found)]
 
 
 def _numbers(name: str, attrs: Mapping[Any, Any], key: str) -> list[float]:
@@ -76,6 +93,7 @@ def _stands_for(values: NDArray[Any], fill: float) -> NDArray[np.bool_]:
         return np.asarray(values == fill)
     with np.errstate(over="ignore", invalid="ignore"):
         fill = values.dtype.type(fill)
-        # As GDAL compares, to two units in the last place. Sums of the largest numbers overflow.
-        rounding = 2 * np.finfo(values.dtype).eps * np.abs(values + fill)
+        # As GDAL compares, to four units in the last place of float32. Sums of the largest numbers
+        # overflow.
+        rounding = values.dtype.type(2 * np.finfo(np.float32).eps) * np.abs(values + fill)
         return np.asarray((values == fill) | (np.abs(values - fill) < rounding))

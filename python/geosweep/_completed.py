@@ -1,14 +1,15 @@
 """Grids of closed surfaces without the lines that gluing needs twice."""
 
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _geosweep
-from ._arrays import Floats, numbers
-from ._settings import refuse
-from ._surface import Glue, Surface
+from ._arrays import Floats, given
+from ._settings import check_choice
+from ._surface import Glue, Surface, compiled_of
+from ._tables import any_places_of
 
 Layout = Literal["columns", "rows", "both", "flipped-columns", "flipped-rows", "globe", "cube"]
 
@@ -63,9 +64,10 @@ class CompletedGrid:
         *,
         last: Literal["repeated", "apart"] | None = None,
     ) -> None:
-        if last not in (None, "repeated", "apart"):
-            refuse("last", last, "'repeated' or 'apart'")
-        self._grid = _geosweep.CompletedGrid(surface._surface, layout, last)
+        check_choice("layout", layout, *get_args(Layout))
+        if last is not None:
+            check_choice("last", last, "repeated", "apart")
+        self._grid = _geosweep.CompletedGrid(compiled_of(surface), layout, last)
         self._glue: Glue = "charts" if layout == "cube" else layout
 
     def __repr__(self) -> str:
@@ -87,7 +89,7 @@ class CompletedGrid:
 
         Holes, the slowness and the rule for edges are completed too.
         """
-        return Surface(self._grid.complete(surface._surface), (self._glue,))
+        return Surface(self._grid.complete(compiled_of(surface)), (self._glue,))
 
     def to_completed(self, places: ArrayLike) -> Floats:
         """Return rows and columns on the completed grid, for sources and other places.
@@ -117,7 +119,7 @@ class CompletedGrid:
 
         Given points between the faces of a cube have the value of a hole.
         """
-        array = np.asarray(values)
+        array = given("values", values)
         if array.shape[:2] != self.shape:
             raise ValueError(f"values must have the shape {self.shape}, not {array.shape}")
         flat = array.reshape(-1, *array.shape[2:])
@@ -125,7 +127,7 @@ class CompletedGrid:
 
 
 def _places(places: ArrayLike) -> Floats:
-    at = numbers("places", places)
+    at = any_places_of("places", places)
     if at.ndim == 0 or at.shape[-1] != 2:
         raise ValueError(f"places must be rows and columns (..., 2), not {at.shape}")
     return at

@@ -61,6 +61,8 @@ def sources_of_shapes(shapes: list[Any], starts: Floats, place: Place, strict: b
     of_lines: list[int] = []
     for row, (shape, start) in enumerate(zip(shapes, starts.tolist(), strict=True)):
         for part in _parts(shape):
+            if part.is_empty:
+                raise ValueError(f"source: the geometry of row {row} is empty; leave it out")
             if part.geom_type not in ("Point", "LineString", "LinearRing"):
                 raise ValueError(
                     f"source: a {part.geom_type} is neither points nor lines; take its .boundary "
@@ -91,10 +93,15 @@ def _parts(shape: Any) -> list[Any]:
 
 def points_of(name: str, table: Any, place: Place) -> Floats:
     """Return rows and columns (n, 2) of a table of points."""
-    geometry = _projected(name, table, place.crs)
-    if not (geometry.geom_type == "Point").all():
-        raise ValueError(f"{name}: the table must hold points alone")
-    return place.to_grid(name, np.column_stack([geometry.x, geometry.y]))
+    return points_of_shapes(name, list(_projected(name, table, place.crs)), place)
+
+
+def points_of_shapes(name: str, shapes: list[Any], place: Place) -> Floats:
+    """Return rows and columns (n, 2) of points in a raster's coordinates."""
+    others = {shape.geom_type for shape in shapes} - {"Point"}
+    if others or any(shape.is_empty for shape in shapes):
+        raise ValueError(f"{name} must be points alone, not {', '.join(others) or 'empty ones'}")
+    return place.to_grid(name, np.array([[shape.x, shape.y] for shape in shapes]))
 
 
 def _table(columns: dict[str, Any], geometry: list[Any], place: Place) -> "GeoDataFrame":

@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._arrays import Floats, flags, numbers
+from ._arrays import Floats, flags, is_data_array, numbers
+from ._axes import GridAxes
 
 
 @dataclass(frozen=True)
@@ -22,6 +23,13 @@ class Inputs:
     def given(self) -> Mapping[str, Any]:
         """Return the arrays that are given, by their names."""
         return {name: array for name, array in vars(self).items() if array is not None}
+
+    def aligned(self, axes: GridAxes) -> "Inputs":
+        """Return inputs in the order of a grid; arrays of xarray must have its coordinates."""
+        given = self.given().items()
+        return Inputs(
+            **{name: axes.north_up(name, it) if is_data_array(it) else it for name, it in given}
+        )
 
     def on(self, shape: tuple[int, int]) -> tuple[NDArray[np.bool_] | None, Floats | None]:
         """Return where points are present, and the slowness; None for what is not given."""

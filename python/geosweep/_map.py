@@ -1,16 +1,17 @@
 """The distance map, and geometry from it."""
 
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _geosweep
-from ._arrays import Floats, flags, is_count, numbers
+from ._arrays import Floats, count, flags, is_count, numbers, real, switch
 from ._plot import draw, round_levels
 from ._results import Basis, Curves, Path, Ridge, Voronoi
-from ._settings import refuse
+from ._settings import check_choice
 from ._sources import Placed, Problem
+from ._tables import places_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -58,7 +59,8 @@ class LogMap:
 
         The result is None beyond the source's region, a hole or the cut locus.
         """
-        found = self._map.place(source, (u, v))
+        at = real("u", u), real("v", v)
+        found = self._map.place(count("source", source, 0), at)
         return None if found is None else (found[0], found[1])
 
     def source_direction(
@@ -69,8 +71,7 @@ class LogMap:
         `DistanceMap.back_direction` explains the units. The bearing is 0 at sources and -1 where no
         source reaches.
         """
-        if unit not in ("compass", "grass"):
-            refuse("unit", unit, "'compass' or 'grass'")
+        check_choice("unit", unit, "compass", "grass")
         return self._map.source_direction(unit)
 
 
@@ -163,8 +164,7 @@ class DistanceMap:
         >>> m.back_direction()[10, 0].item(), m.back_direction("grid")[20, 10, 0].item()
         (90.0, -1.0)
         """
-        if unit not in ("compass", "grass", "grid", "space"):
-            refuse("unit", unit, "'compass', 'grass', 'grid' or 'space'")
+        check_choice("unit", unit, *get_args(Direction))
         return _geosweep.back_direction(self._map, unit)
 
     def back_link(self) -> NDArray[np.int8]:
@@ -205,6 +205,7 @@ class DistanceMap:
         distances
             Negative inside, positive outside, inf where no source reaches.
         """
+        inside = self._whole._aligned("inside", inside)
         mask = None if inside is None else flags("inside", inside)
         if mask is not None and mask.shape != self._surface.shape:
             shape = self._surface.shape
@@ -220,9 +221,7 @@ class DistanceMap:
 
     def paths(self, ends: ArrayLike) -> list[Path]:
         """Trace the shortest path from each end, rows and columns (n, 2), to its source."""
-        array = numbers("ends", ends)
-        if array.ndim != 2 or array.shape[1] != 2:
-            raise ValueError(f"ends must have the shape (n, 2), not {array.shape}")
+        array = places_of("ends", ends)
         rows = self._sources.rows
         own = (lambda source: source) if rows is None else (lambda source: int(rows[source]))
         found = self._map.paths(array.tolist())
@@ -240,14 +239,16 @@ class DistanceMap:
         step
             Distance between levels, instead of ``levels``.
         """
+        if step is not None and levels is not None:
+            raise ValueError("give levels or step, the distance between them, and not both")
         if step is not None or levels is None:
-            chosen = self._map.levels(None, step)
+            chosen = self._map.levels(None, None if step is None else real("step", step))
         elif isinstance(levels, (bool, np.bool_)):
             raise TypeError(f"levels must be a number of levels or distances, not {levels!r}")
         elif is_count(levels):
             if int(np.asarray(levels)) < 0:
                 raise ValueError(f"levels={levels!r}: a number of levels is not negative")
-            chosen = self._map.levels(int(np.asarray(levels)), None)
+            chosen = self._map.levels(count("levels", levels, 0), None)
         else:
             chosen = numbers("levels", levels).ravel().tolist()
         return [Curves(*curves) for curves in self._map.contours(chosen)]
@@ -267,14 +268,14 @@ class DistanceMap:
 
         The side is ``"left"`` or ``"right"``, as seen in a picture with rows downwards.
         """
-        if side not in ("left", "right"):
-            refuse("side", side, "'left' or 'right'")
+        check_choice("side", side, "left", "right")
         chosen = np.atleast_1d(numbers("levels", levels)).tolist()
         return [Curves(*curves) for curves in self._map.offsets(chosen, side == "left")]
 
     def ridges(self, least_angle: float = 30.0) -> list[Ridge]:
         """Return the curves where wavefronts meet at ``least_angle`` degrees or more."""
-        return [Ridge(*ridge) for ridge in self._map.ridges(least_angle)]
+        least = real("least_angle", least_angle)
+        return [Ridge(*ridge) for ridge in self._map.ridges(least)]
 
     def farthest(self) -> tuple[int, int, float]:
         """Return row, column and distance of the farthest point that is reached."""
@@ -312,7 +313,7 @@ class DistanceMap:
         """
         spacing = self._surface.spacing or (1.0, 1.0)
         lines = self._lines(contours, paths)
-        return draw(ax, self.distance, spacing, lines, cmap, colorbar)
+        return draw(ax, self.distance, spacing, lines, cmap, switch("colorbar", colorbar))
 
     def _lines(
         self, contours: int | ArrayLike, paths: ArrayLike | None
@@ -328,7 +329,7 @@ class DistanceMap:
 def _labelled(numbers: NDArray[np.int32], labels: NDArray[Any]) -> NDArray[Any]:
     """Return the label of each source's number."""
     none: Any = None
-    if labels.dtype.kind in "iu":
+    if labels.dtype.kind in "iu" and labels.max() <= np.iinfo(np.int64).max:
         labels, none = labels.astype(np.int64), -1
     elif labels.dtype.kind == "f":
         none = np.nan

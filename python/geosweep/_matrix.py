@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _geosweep
-from ._arrays import on_host
-from ._settings import Engine, Wavefront, settings
-from ._surface import Surface, check_out
+from ._arrays import count, numbers, on_host, switch
+from ._settings import Engine, Wavefront, check_progress, settings
+from ._surface import Surface, check_out, compiled_of
 from ._warnings import check
 
 Matrix = NDArray[np.float32]
@@ -19,11 +19,11 @@ def indices(surface: Surface, rows: ArrayLike | None) -> NDArray[np.int64]:
     """Return row-major indices of grid points after a check; all points by default."""
     points = surface.shape[0] * surface.shape[1]
     wanted = np.arange(points) if rows is None else np.atleast_1d(on_host("rows", rows))
-    if wanted.ndim != 1 or wanted.dtype.kind not in "iu":
+    if wanted.size and (wanted.ndim != 1 or wanted.dtype.kind not in "iu"):
         raise TypeError("rows must be integers, the row-major indices of grid points")
     if len(wanted) and not 0 <= wanted.min() <= wanted.max() < points:
         raise ValueError(f"rows must lie from 0 to {points - 1}")
-    return wanted.astype(np.int64, copy=False)
+    return wanted.ravel().astype(np.int64, copy=False)
 
 
 def pairwise(
@@ -53,6 +53,8 @@ def pairwise(
     progress
         Called with the number of rows that are done and the number of all rows.
     """
+    compiled, strict = compiled_of(surface), switch("strict", strict)
+    check_progress(progress)
     wanted = indices(surface, rows)
     points = surface.shape[0] * surface.shape[1]
     chosen = settings(engine, device, wavefront, tolerance, iterations, threads)
@@ -62,7 +64,7 @@ def pairwise(
     check_out(out, shape, np.float32)
     if not out.flags.c_contiguous:
         raise ValueError("out must be in C order")
-    found = _geosweep.pairwise(surface._surface, wanted.tolist(), out, chosen, progress)
+    found = _geosweep.pairwise(compiled, wanted.tolist(), out, chosen, progress)
     report = {"iterations": found[0], "residual": found[1]}
     check(found[2], report, strict)
     return out
@@ -85,7 +87,8 @@ def canonical_form(
     matrix: ArrayLike, dimensions: int = 3, *, iterations: int = 1000
 ) -> CanonicalForm:
     """Place points in space so that their distances fit a matrix (n, n) best."""
-    values = np.ascontiguousarray(on_host("matrix", matrix), dtype=np.float32)
+    values = np.ascontiguousarray(numbers("matrix", matrix), dtype=np.float32)
     if values.ndim != 2 or values.shape[0] != values.shape[1]:
         raise ValueError(f"matrix must be square, not of the shape {values.shape}")
-    return CanonicalForm(*_geosweep.canonical(values, dimensions, iterations))
+    limits = count("dimensions", dimensions), count("iterations", iterations)
+    return CanonicalForm(*_geosweep.canonical(values, *limits))

@@ -6,9 +6,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _geosweep
+from ._arrays import count, switch
 from ._optional import needed
 from ._settings import Engine, Wavefront, grid_points, settings
-from ._surface import Surface
+from ._surface import Surface, compiled_of
 from ._warnings import check
 
 if TYPE_CHECKING:
@@ -60,18 +61,18 @@ def pairs(
     sparse = needed("scipy.sparse", "sparse", "pairs()")
     if radius is None and k is None:
         raise ValueError("give a radius or k, or compute all distances with pairwise()")
-    if k is not None and k < 1:
-        raise ValueError(f"k={k!r}: at least one is needed")
+    k = None if k is None else count("k", k)
     chosen = settings(engine, None, wavefront, tolerance, iterations, threads, radius)
-    rows, cols = surface.shape
+    strict, compiled = switch("strict", strict), compiled_of(surface)
+    rows, cols = compiled.shape
     places = np.argwhere(np.ones((rows, cols))) if points is None else grid_points("points", points)
     if (places >= (rows, cols)).any():
         raise ValueError(f"points must lie from (0, 0) to ({rows - 1}, {cols - 1})")
     if k is not None:
-        csr = _geosweep.nearest_others(surface._surface, places.tolist(), k, chosen)
+        csr = _geosweep.nearest_others(compiled, places.tolist(), k, chosen)
         return sparse.csr_array(csr, shape=(len(places), len(places)))
     of_grid = places[:, 0] * cols + places[:, 1]
-    found = _geosweep.within(surface._surface, of_grid.tolist(), chosen)
+    found = _geosweep.within(compiled, of_grid.tolist(), chosen)
     csr, iterations, residual, converged = found
     check(converged, {"iterations": iterations, "residual": residual}, strict)
     matrix = sparse.csr_array(csr, shape=(len(places), rows * cols))[:, of_grid]

@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _geosweep
-from ._arrays import Floats, flags, given, is_number, numbers
+from ._arrays import Floats, described, flags, given, is_number, numbers, on_host
 from ._settings import Settings
+from ._tables import ROW_COL, columns_of, is_frame, refuse_apart
 
 
 @dataclass(frozen=True)
@@ -89,10 +90,6 @@ Native = tuple[Floats, list[tuple[Floats, float]]]
 # Points, lines, options, and whether a map is in double precision, as the compiled part takes them.
 Problem = tuple[Floats, list[tuple[Floats, float]], Settings, bool]
 
-# Names of the columns of tables, in lower case.
-ROW_COL = (("row",), ("col", "column"))
-_STARTS = ("start", "t0", "time", "start_value", "start_time", "initial")
-
 
 def native(source: Source, surface: Any) -> Native:
     """Return points (n, 3) with starts, and lines with starts."""
@@ -107,17 +104,20 @@ def placed(source: Source, surface: Any) -> Placed:
     if isinstance(source, Placed):
         return source
     if isinstance(source, Lines):
-        lines = [numbers("source", line) for line in source.vertices]
-        for line in lines:
-            if line.ndim != 2 or line.shape[1] != 2:
-                raise ValueError(f"source: a line needs the shape (n, 2), not {line.shape}")
-        starts = np.broadcast_to(numbers("source starts", source.starts), (len(lines),))
+        lines = [vertices_of(line) for line in source.vertices]
+        starts = numbers("source starts", source.starts)
+        if starts.shape not in ((), (len(lines),)):
+            raise ValueError(
+                f"source starts must be one number, or one for each of {len(lines)} lines, not of "
+                f"the shape {starts.shape}"
+            )
+        starts = np.broadcast_to(starts, (len(lines),))
         return Placed(np.empty((0, 3)), list(zip(lines, starts.tolist(), strict=True)))
     if isinstance(source, LevelSet):
         return _zero_of(source, surface)
-    refuse_apart(source)
+    refuse_apart("source", source)
     if is_frame(source):
-        table = points_of(columns_of(source, ROW_COL, "rows and columns: row and col"))
+        table = points_of(columns_of("source", source, ROW_COL, starts=True))
         assert table is not None  # It has two or three columns.
         return table
     if hasattr(source, "geom_type") or hasattr(source, "geometry"):
@@ -131,14 +131,17 @@ def placed(source: Source, surface: Any) -> Placed:
         if not len(cells):
             raise ValueError("source: the raster has no cell other than zero and missing ones")
         return Placed(np.column_stack([cells, np.zeros(len(cells))]))
+    forms = (
+        "source must be (row, col), an array (n, 2), an array (n, 3) with start times, Lines, a "
+        f"table, or a boolean or integer raster of the shape {shape}, not "
+    )
+    if values.dtype.kind not in "biufO" or values.shape == ():
+        raise TypeError(forms + described(source))
     found = points_of(values)
     if found is None:
-        raise ValueError(
-            "source must be (row, col), an array (n, 2), an array (n, 3) with start times, Lines, "
-            f"a table, or a boolean or integer raster of the shape {shape}, not an array of "
-            f"{values.dtype} with the shape {values.shape}"
-            + ("; make a raster boolean: (source > 0)" if values.shape == shape else "")
-        )
+        float_raster = values.shape == shape
+        more = "; make a raster boolean: (source > 0)" if float_raster else ""
+        raise ValueError(f"{forms}{described(values)}{more}")
     return found
 
 
@@ -153,15 +156,28 @@ def _zero_of(source: LevelSet, surface: Any) -> Placed:
     return Placed(points, [(curve, 0.0) for curve in curves])
 
 
+def vertices_of(line: ArrayLike) -> Floats:
+    """Return the vertices (n, 2) of one of `Lines`."""
+    refuse_apart("source", line)
+    vertices = numbers("source", line)
+    if vertices.ndim != 2 or vertices.shape[1] != 2:
+        raise ValueError(
+            f"source: each line needs the shape (n, 2), not {vertices.shape}; Lines takes a list "
+            "of lines"
+        )
+    return vertices
+
+
 def points_of(values: NDArray[Any]) -> Placed | None:
     """Return points from an array (n, 2) of places or (n, 3) with starts, or None for other shapes.
 
     Rows in which a number is masked are left out.
     """
+    if values.size == 0:
+        raise ValueError("source is empty; give at least one")
     if values.shape == (2,) or values.shape == (3,):
         values = values[None, :]
     if values.ndim != 2 or values.shape[1] not in (2, 3):
-        numbers("source", values)
         return None
     count, rows = len(values), None
     if np.ma.is_masked(values):
@@ -175,57 +191,13 @@ def points_of(values: NDArray[Any]) -> Placed | None:
     return Placed(np.ascontiguousarray(array), rows=rows, count=count)
 
 
-def refuse_apart(source: object) -> None:
-    """Raise ValueError for a tuple of two arrays, as np.nonzero returns it.
-
-    It would be taken for two points if both arrays had two numbers.
-    """
-    arrays = source if isinstance(source, tuple) and len(source) in (2, 3) else ()
-    if arrays and all(isinstance(one, np.ndarray) and one.ndim == 1 for one in arrays):
-        raise ValueError(
-            "source: a tuple of arrays does not say whether they are points or coordinates; give "
-            "np.column_stack(source) if they are coordinates, and np.array(source) if points"
-        )
-
-
-def is_frame(value: object) -> bool:
-    """Return whether a value is a table with named columns, or a row of it, without geometries."""
-    return (
-        (hasattr(value, "columns") or _is_row(value))
-        and hasattr(value, "__getitem__")
-        and not hasattr(value, "to_crs")
-    )
-
-
-def _is_row(value: Any) -> bool:
-    """Return whether a value is a Series of pandas whose numbers have names."""
-    return hasattr(value, "to_frame") and any(isinstance(name, str) for name in value.index)
-
-
-def columns_of(
-    table: Any, wanted: tuple[tuple[str, ...], tuple[str, ...]], what: str
-) -> NDArray[Any]:
-    """Return the columns (n, 2) of a table with the wanted names, or (n, 3) with start times."""
-    table = table.to_frame().T if _is_row(table) else table
-    there = {str(name).strip().lower(): name for name in table.columns}
-    found = [[there[name] for name in names if name in there] for names in (*wanted, _STARTS)]
-    if not (found[0] and found[1]) or any(len(names) > 1 for names in found):
-        raise ValueError(
-            f"source: the table must have columns with {what}, and perhaps start; it has "
-            f"{', '.join(map(str, table.columns))}"
-        )
-    return np.column_stack(
-        [numbers("source", np.asarray(table[name])) for [name] in filter(None, found)]
-    )
-
-
 def labels_of(labels: Any, source: Any, found: Placed, shape: tuple[int, int]) -> Any:
     """Return the label of each source as the caller counts them."""
     if isinstance(labels, str):
         if not hasattr(source, "columns") or labels not in source.columns:
             raise ValueError(f"labels={labels!r} is not a column of the table of sources")
         labels = source[labels]
-    values = np.asarray(given("labels", labels))
+    values = given("labels", labels)
     if values.ndim == 2 and values.shape == shape:
         rows, cols = found.points[:, :2].astype(np.int64).T
         if found.lines or not np.array_equal(found.points[:, 0], rows):
@@ -235,7 +207,7 @@ def labels_of(labels: Any, source: Any, found: Placed, shape: tuple[int, int]) -
         raise ValueError(
             f"labels must have one value for each of {found.given} sources, not {values.shape}"
         )
-    return values
+    return on_host("labels", values)
 
 
 def on_surface(found: Placed, surface: Any, outside: str) -> Placed:
@@ -264,11 +236,16 @@ def on_surface(found: Placed, surface: Any, outside: str) -> Placed:
         rows_of = np.arange(found.given) if found.rows is None else found.rows
         kept = np.concatenate([there, np.ones(len(found.lines), np.bool_)])
         return Placed(points[there], found.lines, rows_of[kept], found.given)
+    known = np.isfinite(points[missed, :2]).all(axis=1)
+    if not known.all():
+        raise ValueError(
+            f"source point {missed[~known][0]} is not finite, so that no point is nearest to it; "
+            "leave it out, as sources_outside='skip' does"
+        )
     present = np.argwhere(surface.present)
     steps = surface.spacing or (1.0, 1.0)
     moved = points.copy()
     for index in missed.tolist():
-        place = np.nan_to_num(points[index, :2], nan=0.0)
-        apart = ((present - place) * steps) ** 2
+        apart = ((present - points[index, :2]) * steps) ** 2
         moved[index, :2] = present[apart.sum(axis=1).argmin()]
     return Placed(moved, found.lines, found.rows, found.count)

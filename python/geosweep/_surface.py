@@ -9,11 +9,13 @@ import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from . import _geosweep
-from ._arrays import Floats, flags, is_data_array, is_number, numbers
+from ._arrays import Floats, described, flags, is_data_array, numbers, switch
+from ._arrays import count as whole
+from ._axes import GridAxes
 from ._inputs import Inputs
 from ._map import DistanceMap
-from ._settings import Engine, Wavefront, is_double, refuse, settings
-from ._sources import LevelSet, Source, labels_of, native, on_surface, placed
+from ._settings import Engine, Wavefront, check_choice, check_progress, is_double, settings
+from ._sources import LevelSet, Placed, Source, labels_of, native, on_surface, placed
 from ._warnings import SeamWarning, check
 
 Spacing = float | tuple[float, float]
@@ -36,12 +38,20 @@ Glue = (
 
 
 def _steps(spacing: Spacing) -> tuple[float, float]:
-    if is_number(spacing):
-        return float(spacing), float(spacing)  # type: ignore[arg-type]
-    steps = numbers("spacing", spacing)
+    """Return the distances of rows and of columns."""
+    wanted = f"spacing must be one number or (dy, dx), not {described(spacing)}"
+    try:
+        steps = numbers("spacing", spacing)
+    except TypeError:
+        raise TypeError(wanted) from None
     if steps.shape not in ((), (2,)):
-        raise ValueError("spacing must be one number or (dy, dx)")
+        raise ValueError(wanted)
     dy, dx = np.broadcast_to(steps, (2,)).tolist()
+    if not (0 < dy < np.inf and 0 < dx < np.inf):
+        raise ValueError(
+            f"spacing is ({dy:.10g}, {dx:.10g}), the distances of rows and of columns; both must "
+            "be positive and finite"
+        )
     return dy, dx
 
 
@@ -51,7 +61,26 @@ def _kept(name: str, array: ArrayLike, copy: bool) -> Floats:
     Missing values are holes, NaN.
     """
     values = numbers(name, array, np.nan)
-    return values.copy() if copy and np.may_share_memory(values, np.asarray(array)) else values
+    is_shared = np.may_share_memory(values, np.asarray(array))
+    return values.copy() if switch("copy", copy) and is_shared else values
+
+
+def _checked(glue: Glue) -> Any:
+    """Return a gluing whose pairs of lines are checked."""
+    if isinstance(glue, str):
+        return glue
+    try:
+        ends = np.asarray(glue)
+    except ValueError:
+        ends = np.empty(0)
+    if ends.ndim != 4 or ends.shape[1:] != (2, 2, 2) or ends.dtype.kind not in "iu":
+        raise TypeError(
+            "glue must be a name, or pairs of lines, each given by its first and last (row, col): "
+            f"[(((0, 0), (0, 9)), ((5, 0), (5, 9)))]; not {described(glue)}"
+        )
+    if ends.min() < 0:
+        raise ValueError(f"glue: {ends.min()} is no row or column, which count from 0")
+    return [tuple(tuple(map(tuple, line)) for line in pair) for pair in ends.tolist()]
 
 
 class Surface:
@@ -60,11 +89,19 @@ class Surface:
     Make it by `from_heights`, `from_positions` or `from_metric`.
     """
 
-    def __init__(self, compiled: "_geosweep.Surface", glued: tuple[Glue, ...] = ()) -> None:
+    def __init__(
+        self,
+        compiled: "_geosweep.Surface",
+        glued: tuple[Glue, ...] = (),
+        axes: GridAxes | None = None,
+        read: NDArray[Any] | None = None,
+    ) -> None:
         if not isinstance(compiled, _geosweep.Surface):
             raise TypeError("use Surface.from_heights, from_positions or from_metric")
         self._surface = compiled
         self._glued = glued
+        self._axes = axes
+        self._read = read
 
     def __repr__(self) -> str:
         rows, cols = self.shape
@@ -77,21 +114,25 @@ class Surface:
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle the arrays of which the surface was made."""
         made = self._surface
-        inputs = (made.present, made.slowness, made.edges, self._glued)
+        inputs = (made.present, made.slowness, made.edges, self._glued, self._axes)
         return _restored, (made.kind, made.values(), self.shape, made.spacing, *inputs)
 
     @staticmethod
     def _made(
-        compiled: "_geosweep.Surface", inputs: Inputs, edges: str, glue: Glue | None
+        compiled: "_geosweep.Surface",
+        inputs: Inputs,
+        edges: str,
+        glue: Glue | None,
+        axes: GridAxes | None = None,
+        read: NDArray[Any] | None = None,
     ) -> "Surface":
-        if edges not in ("arc", "chord"):
-            refuse("edges", edges, "'arc' or 'chord'")
+        check_choice("edges", edges, "arc", "chord")
         points, slow = inputs.on(compiled.shape)
         if points is not None or slow is not None or edges == "chord":
             compiled = compiled.with_inputs(points, slow, edges == "chord")
         if glue is not None:
-            compiled = compiled.with_gluing(glue)
-        return Surface(compiled, () if glue is None else (glue,))
+            compiled = compiled.with_gluing(_checked(glue))
+        return Surface(compiled, () if glue is None else (glue,), axes, read)
 
     @classmethod
     def from_heights(
@@ -126,7 +167,7 @@ class Surface:
             Mask (M, N) that is true at holes, like NumPy's masks.
         slowness
             Reciprocal speed (M, N): distances become travel times. Infinite, NaN and missing values
-            are walls.
+            are walls, and 0 is free travel.
         speed
             Speed (M, N), the reciprocal of a slowness. Zero, NaN and missing values are walls.
         edges
@@ -137,17 +178,20 @@ class Surface:
             Whether to copy the heights. Otherwise an array of float64 in C order is read where
             it is, and must not change while the surface is used.
         """
-        inputs = Inputs(mask, holes, slowness, speed)
-        if is_data_array(heights):
-            from .xarray import inputs_like, spacing_of
-
-            inputs = inputs_like(heights, inputs)
-            spacing = spacing_of(heights) if spacing is None else spacing
+        inputs, axes = Inputs(mask, holes, slowness, speed), None
         values = _kept("heights", heights, copy)
         if values.ndim != 2:
-            raise ValueError(f"heights must have the shape (M, N), not {values.shape}")
+            raise ValueError(
+                f"heights must have the shape (M, N), not {values.shape}; select a band or a time"
+            )
+        if is_data_array(heights):
+            from .xarray import spacing_of
+
+            axes = GridAxes.of(heights)
+            inputs = inputs.aligned(axes)
+            spacing = spacing_of(heights) if spacing is None else spacing
         made = _geosweep.Surface.heights(values, *_steps(1.0 if spacing is None else spacing))
-        return cls._made(made, inputs, edges, glue)
+        return cls._made(made, inputs, edges, glue, axes, None if copy else values)
 
     @classmethod
     def from_positions(
@@ -192,7 +236,8 @@ class Surface:
         if values.ndim != 3 or values.shape[2] != 3:
             raise ValueError(f"positions must have the shape (M, N, 3), not {values.shape}")
         compiled = _geosweep.Surface.positions(values)
-        made = cls._made(compiled, Inputs(mask, holes, slowness, speed), edges, glue)
+        inputs = Inputs(mask, holes, slowness, speed)
+        made = cls._made(compiled, inputs, edges, glue, read=None if copy else values)
         open_seams = [seam for seam in made.seams if "single point" not in seam]
         if open_seams:
             warnings.warn(
@@ -244,7 +289,8 @@ class Surface:
             ``"octahedral"``, ``"charts"`` (the faces of a cube), ``"auto"`` (all sides of positions
             that coincide), or pairs of lines, each given by its first and last (row, column).
         """
-        return Surface(self._surface.with_gluing(glue), (*self._glued, glue))
+        glued = self._surface.with_gluing(_checked(glue))
+        return Surface(glued, (*self._glued, glue), self._axes, self._read)
 
     @property
     def is_glued(self) -> bool:
@@ -317,7 +363,8 @@ class Surface:
         tolerance, iterations
             Limits at which to stop: the relative change, and the number of iterations.
         radius
-            Largest distance. Farther points are unreached, and not computed.
+            Largest distance. Farther points are unreached, and not computed. With ``targets`` too,
+            the map ends where the first of both limits is.
         targets
             Grid points (n, 2) that the map is for. Points farther than the farthest of them are
             unreached, and not computed.
@@ -341,12 +388,17 @@ class Surface:
             (``"skip"``), or moved to the nearest point of the surface (``"snap"``).
         """
         double = _precision(dtype, out, self.shape)
+        if out is not None and self._read is not None and np.may_share_memory(out, self._read):
+            raise ValueError(
+                "out lies in the array that the surface reads (copy=False); give another one"
+            )
         chosen = settings(
             engine, device, wavefront, tolerance, iterations, threads, radius, targets, needed
         )
-        if sources_outside not in ("refuse", "skip", "snap"):
-            refuse("sources_outside", sources_outside, "'refuse', 'skip' or 'snap'")
-        sources = on_surface(placed(source, self._surface), self._surface, sources_outside)
+        strict = switch("strict", strict)
+        check_progress(progress)
+        source, labels = self._aligned("source", source), self._aligned("labels", labels)
+        sources = self._placed(source, sources_outside)
         names = None if labels is None else labels_of(labels, source, sources, self.shape)
         problem = (sources.points, sources.lines, chosen, double)
         found = self._surface.solve(problem, progress)
@@ -356,6 +408,16 @@ class Surface:
             np.copyto(out, found.distance)
         return DistanceMap(self, found, problem, sources, names, out)
 
+    def _placed(self, source: Source, outside: str) -> Placed:
+        """Return sources on the surface, as the compiled part takes them."""
+        check_choice("sources_outside", outside, "refuse", "skip", "snap")
+        return on_surface(placed(source, self._surface), self._surface, outside)
+
+    def _aligned(self, name: str, value: Any) -> Any:
+        """Return a raster of xarray in the order of the grid, if that was made of another one."""
+        axes = self._axes
+        return value if axes is None or not axes.are_those_of(value) else axes.north_up(name, value)
+
     def farthest_points(self, source: Source, count: int) -> tuple[NDArray[np.int64], float]:
         """Sample the surface evenly.
 
@@ -364,11 +426,12 @@ class Surface:
         Returns
         -------
         samples
-            Rows and columns (count, 2).
+            Rows and columns (count, 2); fewer if the surface has no more points.
         radius
             Largest distance of a point from the nearest sample or source.
         """
-        samples, radius = self._surface.farthest_points(*native(source, self._surface), count)
+        wanted = native(self._aligned("source", source), self._surface)
+        samples, radius = self._surface.farthest_points(*wanted, whole("count", count, 0))
         return np.asarray(samples, dtype=np.int64).reshape(-1, 2), radius
 
 
@@ -381,6 +444,7 @@ def _restored(
     slowness: Floats | None,
     edges: str,
     glued: tuple[Glue, ...],
+    axes: GridAxes | None,
 ) -> Surface:
     """Restore a surface that was pickled."""
     values = numbers("values", values)
@@ -390,7 +454,7 @@ def _restored(
     else:
         make = _geosweep.Surface.positions if kind == "positions" else _geosweep.Surface.metric
         compiled = make(values.reshape(*shape, 3))
-    surface = Surface._made(compiled, Inputs(mask=present, slowness=slowness), edges, None)
+    surface = Surface._made(compiled, Inputs(mask=present, slowness=slowness), edges, None, axes)
     for glue in glued:
         surface = surface.with_gluing(glue)
     return surface
@@ -404,13 +468,25 @@ def _precision(dtype: DTypeLike, out: object, shape: tuple[int, ...]) -> bool:
     return double
 
 
+def compiled_of(surface: object) -> "_geosweep.Surface":
+    """Return the compiled part of a surface, or raise TypeError for other values."""
+    if isinstance(surface, Surface):
+        return surface._surface
+    raise TypeError(
+        f"surface must be a geosweep.Surface, not {type(surface).__name__}; make it by "
+        "Surface.from_heights, from_positions or from_metric"
+    )
+
+
 def check_out(out: object, shape: tuple[int, ...], dtype: DTypeLike) -> None:
     """Check that an array can take results."""
     if not isinstance(out, np.ndarray) or isinstance(out, np.ma.MaskedArray):
         raise TypeError(f"out must be a plain NumPy array, not {type(out).__name__}")
-    if out.shape != shape or out.dtype != dtype or not out.flags.writeable:
+    if not out.flags.writeable:
+        raise ValueError("out is read-only, so that it cannot take results")
+    if out.shape != shape or out.dtype != dtype:
         raise ValueError(
-            f"out must be a writeable array of {np.dtype(dtype)} with the shape {shape}, not of "
+            f"out must be an array of {np.dtype(dtype)} with the shape {shape}, not of "
             f"{out.dtype} with {out.shape}"
         )
 
@@ -461,10 +537,9 @@ def distance(
     chosen = settings(
         engine, device, wavefront, tolerance, iterations, threads, radius, targets, needed
     )
-    if sources_outside not in ("refuse", "skip", "snap"):
-        refuse("sources_outside", sources_outside, "'refuse', 'skip' or 'snap'")
-    compiled = surface._surface
-    sources = on_surface(placed(source, compiled), compiled, sources_outside)
+    strict = switch("strict", strict)
+    check_progress(progress)
+    sources = surface._placed(surface._aligned("source", source), sources_outside)
     problem = (sources.points, sources.lines, chosen, double)
     found, report = surface._surface.distances(problem, progress)
     check(report["converged"], report, strict)

@@ -18,12 +18,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
+from ._arrays import count as whole
 from ._matrix import indices
 from ._matrix import pairwise as _pairwise
 from ._optional import needed
 from ._settings import is_double, settings
 from ._sources import Source, native
-from ._surface import Surface
+from ._surface import Surface, compiled_of
 
 if TYPE_CHECKING:
     import dask
@@ -82,7 +83,8 @@ def pairwise(
         A Dask array. Its ``to_zarr`` writes the matrix to storage, so that it need not fit into
         memory.
     """
-    wanted = indices(surface, rows)
+    compiled_of(surface)
+    wanted, chunks = indices(surface, rows), whole("chunks", chunks)
     _check(options)
     columns = surface.shape[0] * surface.shape[1]
     return da.from_array(wanted, chunks=chunks, name=False).map_blocks(
@@ -121,6 +123,8 @@ def distances(
     dtype, options
         As in `Surface.solve`.
     """
+    compiled_of(surface)
+    chunks = whole("chunks", chunks)
     for source in sources:
         native(source, surface)
     _check(options)
@@ -142,7 +146,7 @@ def distances(
 
 def _check(options: dict[str, Any]) -> None:
     """Check the options here, so that errors are not first raised in a worker."""
-    for name in ("out", "progress"):
+    for name in ("out", "progress", "labels"):
         if name in options:
             raise TypeError(f"{name} has no meaning for Dask's arrays; leave it out")
     others = ("strict", "sources_outside")
@@ -150,6 +154,4 @@ def _check(options: dict[str, Any]) -> None:
 
 
 def _sizes(count: int, chunk: int) -> tuple[int, ...]:
-    if chunk < 1:
-        raise ValueError(f"chunks={chunk!r}: at least one is needed")
     return (chunk,) * (count // chunk) + ((count % chunk,) if count % chunk else ())

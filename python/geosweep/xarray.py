@@ -17,15 +17,17 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _frames, _geosweep, _plot
-from ._arrays import Floats, flags, given, numbers
+from ._arrays import Floats, described, flags, given, switch
 from ._attributes import OF_VALUES
+from ._axes import GridAxes
 from ._inputs import Inputs
 from ._map import DistanceMap
 from ._optional import needed
 from ._place import Place
-from ._settings import grid_points
-from ._sources import Lines, Placed, Source, columns_of, is_frame, points_of, refuse_apart
+from ._settings import check_choice
+from ._sources import Lines, Placed, Source, points_of, vertices_of
 from ._surface import Surface, check_out
+from ._tables import XY, columns_of, is_frame, places_of, refuse_apart
 from ._warnings import ScaleWarning
 
 if TYPE_CHECKING:
@@ -37,44 +39,17 @@ else:
 
 _X = {"x", "lon", "longitude", "easting"}
 _Y = {"y", "lat", "latitude", "northing"}
-# Names of the columns of tables.
-_XY = (("x", "easting", "east"), ("y", "northing", "north"))
 # The largest accepted deviation of a coordinate from even spacing, as a fraction of a step.
 _UNEVEN = 1e-3
 
 
 @dataclass(frozen=True)
 class _Grid:
-    """The relation between the user's array and the grid, which is north up."""
+    """The user's array, and the grid, which is north up."""
 
     template: "xr.DataArray"
     place: Place
-    turned: bool
-    """Whether the array has columns first."""
-    flips: tuple[slice, slice]
-    """Steps of 1 or -1 along y and x."""
-
-    def north_up(self, name: str, array: ArrayLike) -> NDArray[Any]:
-        """Return the values of an array of the template's shape in the order of the grid."""
-        if isinstance(array, xr.DataArray):
-            array = _like(name, array, self.template)
-        values = given(name, array)
-        if values.shape not in (self.template.shape, self.template.shape[-2:]):
-            shape = self.template.shape
-            raise ValueError(f"{name} must have the array's shape {shape}, not {values.shape}")
-        values = values.reshape(self.template.shape[-2:])
-        return (values.T if self.turned else values)[self.flips]
-
-    def points(self, name: str, indices: ArrayLike) -> NDArray[np.int64]:
-        """Return rows and columns (n, 2) on the grid, from indices along the array's own axes."""
-        points = grid_points(name, indices)
-        if (points >= self.template.shape[-2:]).any():
-            shape = self.template.shape[-2:]
-            raise ValueError(f"{name} must be indices into the array, whose shape is {shape}")
-        points = points[:, ::-1] if self.turned else points
-        last = np.subtract(self.place.shape, 1)
-        backwards = [axis.step == -1 for axis in self.flips]
-        return np.where(backwards, last - points, points)
+    axes: GridAxes
 
     def back(
         self, name: str, values: NDArray[Any], description: str, units: str | None
@@ -83,8 +58,8 @@ class _Grid:
 
         ``units`` is the unit of the values, or None if they have none.
         """
-        values = values[self.flips]
-        values = np.ascontiguousarray(values.T if self.turned else values)
+        values = values[self.axes.flips]
+        values = np.ascontiguousarray(values.T if self.axes.turned else values)
         made = self.template.copy(data=values.reshape(self.template.shape)).rename(name)
         made.attrs = {
             key: value
@@ -101,26 +76,15 @@ class _Grid:
         return made
 
 
-def _like(name: str, array: "xr.DataArray", template: "xr.DataArray") -> "xr.DataArray":
-    """Return an array with its dimensions in the template's order.
-
-    Its coordinates must be those of the template, in either order.
-    """
-    try:
-        array = array.squeeze(drop=True).transpose(*template.dims[-2:])
-        for dim in set(template.dims[-2:]) & set(array.coords) & set(template.coords):
-            if array.sizes[dim] == template.sizes[dim]:
-                array = array.sel({dim: template.coords[dim].values})
-        xr.align(array, template.squeeze(drop=True), join="exact", copy=False)
-    except (KeyError, ValueError) as error:
-        raise ValueError(f"{name} must have the coordinates of the heights: {error}") from error
-    return array
-
-
 def _crs(da: "xr.DataArray") -> str | None:
     """Return the coordinate reference system as WKT, from rioxarray or CF's attributes."""
-    if hasattr(da, "rio") and da.rio.crs is not None:
-        return str(da.rio.crs.to_wkt())
+    try:
+        of_rio = da.rio.crs if hasattr(da, "rio") else None
+    except (RuntimeError, ValueError):
+        # rioxarray cannot interpret an attribute, which may be enough here.
+        of_rio = None
+    if of_rio is not None:
+        return str(of_rio.to_wkt())
     for name in (da.encoding.get("grid_mapping"), da.attrs.get("grid_mapping"), "spatial_ref"):
         if name in da.coords:
             attrs = da.coords[name].attrs
@@ -141,11 +105,27 @@ class _Axis:
     is_rounded: bool
 
 
+def _of_transform(da: "xr.DataArray") -> str:
+    """Return a remark on an array that says where it lies by other means than coordinates."""
+    dims = set(da.dims[-2:])
+    for name, coord in da.coords.items():
+        if coord.ndim == 2 and set(coord.dims) == dims:
+            return (
+                f"; its coordinates {name!r} vary along both axes, so that its cells are turned or "
+                "uneven: reproject it, or use geosweep.Surface.from_positions"
+            )
+    transforms = [key for coord in da.coords.values() for key in coord.attrs]
+    if "GeoTransform" in transforms or "transform" in da.attrs:
+        return "; it has a GeoTransform, of which rioxarray makes them with parse_coordinates=True"
+    return ""
+
+
 def _axis(da: "xr.DataArray", dim: str) -> _Axis:
     """Return the coordinates along a dimension."""
     if dim not in da.coords:
         raise ValueError(
-            f"the array has no coordinates along {dim!r}; assign them, or use geosweep.distance"
+            f"the array has no coordinates along {dim!r}; assign them, or give the spacing to "
+            f"geosweep.distance{_of_transform(da)}"
         )
     given_values = da.coords[dim].values
     if given_values.dtype.kind not in "iuf" or len(given_values) < 2:
@@ -181,23 +161,58 @@ _LENGTHS = {
 }
 
 
-def _check_units(da: "xr.DataArray", dims: tuple[str, str]) -> None:
-    """Check that coordinates and heights have one unit, where attributes name both."""
-    named = {str(dim): str(da.coords[dim].attrs.get("units", "")).strip() for dim in dims}
-    named["the heights"] = str(da.attrs.get("units", "")).strip()
-    known = {
-        name: _LENGTHS[unit.lower()] for name, unit in named.items() if unit.lower() in _LENGTHS
-    }
-    if len(set(known.values())) > 1:
-        said = ", ".join(f"{name} in {named[name]}" for name in known)
+def _check_units(da: "xr.DataArray", dims: tuple[str, str], crs: str | None) -> None:
+    """Check that coordinates are lengths, in the unit of the heights as far as both are named."""
+    named = {dim: str(da.coords[dim].attrs.get("units", "")).strip() for dim in dims}
+    system = None if crs is None else _geosweep.units_of_system(crs)
+    are_angles, length, height = (False, None, None) if system is None else system
+    angular = any(unit.lower().startswith(_ANGLES) for unit in named.values())
+    by_name = {"lon", "longitude", "lat", "latitude"} & {dim.lower() for dim in dims}
+    if are_angles or angular or by_name or _has_geographic_mapping(da):
         raise ValueError(
-            f"coordinates and heights have different units ({said}); convert one of them"
+            f"the coordinates {dims[1]!r} and {dims[0]!r} are angles (degrees), which have no "
+            "length; project the array first, with rioxarray: "
+            "da.rio.reproject(da.rio.estimate_utm_crs())"
         )
+    named["the heights"] = str(da.attrs.get("units", "")).strip()
+    known = {name: _LENGTHS.get(unit.lower()) for name, unit in named.items()}
+    known["the coordinate system"] = length
+    named["the coordinate system"] = f"units of {length} m"
+    if known["the heights"] is None and not named["the heights"] and height is not None:
+        known["the heights"], named["the heights"] = height, f"units of {height} m (by their CRS)"
+    lengths = {name: unit for name, unit in known.items() if unit is not None}
+    if lengths and max(lengths.values()) > min(lengths.values()) * (1 + _ROUNDED_UNIT):
+        said = ", ".join(f"{name} in {named[name]}" for name in lengths)
+        raise ValueError(
+            f"coordinates and heights have different units ({said}); convert one of them, or mend "
+            "the attribute units"
+        )
+    is_metric = length is None or abs(length - 1) < _ROUNDED_UNIT
+    if not is_metric and known["the heights"] is None:
+        raise ValueError(
+            f"the coordinate system has units of {length} m, and the array does not say the unit "
+            "of its heights; set da.attrs['units'], after a conversion if they are in metres"
+        )
+
+
+# Beginnings of the names of units of angles.
+_ANGLES = ("degree", "deg", "rad", "grad", "gon", "arc")
+# Relative difference of units that are one, since the US survey foot is also called the foot.
+_ROUNDED_UNIT = 1e-5
+
+
+def _has_geographic_mapping(da: "xr.DataArray") -> bool:
+    """Return whether attributes after CF name a grid mapping of longitudes and latitudes."""
+    mapping = da.encoding.get("grid_mapping", da.attrs.get("grid_mapping", "spatial_ref"))
+    name = da.coords[mapping].attrs.get("grid_mapping_name", "") if mapping in da.coords else ""
+    return str(name) in ("latitude_longitude", "rotated_latitude_longitude")
 
 
 def _warn_of_scale(place: Place) -> None:
     """Warn if lengths on the map are not those on the ground."""
-    found = re.findall(r'(?:AUTHORITY|ID)\["EPSG",\s*"?(\d+)"?\]\s*\]\s*$', place.crs or "")
+    # The system of heights, if there is one, follows that of the map.
+    across = re.split(r",\s*VERT", place.crs or "")[0]
+    found = re.findall(r'(?:AUTHORITY|ID)\["EPSG",\s*"?(\d+)"?\]\s*\]\s*$', across)
     if not found or int(found[-1]) > 32766:
         return
     at = (place.x0, place.y0, place.dx, place.dy, *place.shape)
@@ -213,18 +228,6 @@ def _warn_of_scale(place: Place) -> None:
         )
 
 
-def _refuse_degrees(da: "xr.DataArray", dims: tuple[str, str], crs: str | None) -> None:
-    units = [str(da.coords[dim].attrs.get("units", "")).lower() for dim in dims]
-    geographic = ("GEOGCS", "GEOGCRS", "GEODCRS", "EPSG:4326", "OGC:CRS84")
-    is_geographic = crs is not None and crs.upper().startswith(geographic)
-    named = {"lon", "longitude", "lat", "latitude"} & {str(dim).lower() for dim in dims}
-    if is_geographic or any(unit.startswith("degree") for unit in units) or named:
-        raise ValueError(
-            f"the coordinates {dims[1]!r} and {dims[0]!r} are degrees, which have no length; "
-            "project the array first, with rioxarray: da.rio.reproject(da.rio.estimate_utm_crs())"
-        )
-
-
 def _grid(da: "xr.DataArray") -> _Grid:
     if da.ndim < 2 or any(size != 1 for size in da.shape[:-2]):
         raise ValueError(
@@ -237,8 +240,7 @@ def _grid(da: "xr.DataArray") -> _Grid:
     ys, xs = _axis(da, y), _axis(da, x)
     (y0, dy), (x0, dx) = (ys.first, ys.step), (xs.first, xs.step)
     crs = _crs(da)
-    _refuse_degrees(da, (y, x), crs)
-    _check_units(da, (y, x))
+    _check_units(da, (y, x), crs)
     shape = (da.sizes[y], da.sizes[x])
     # Rows run to the south, columns to the east.
     top = y0 if dy < 0 else y0 + dy * (shape[0] - 1)
@@ -248,7 +250,10 @@ def _grid(da: "xr.DataArray") -> _Grid:
     rounded = stored if ys.is_rounded or xs.is_rounded else None
     place = Place(left, top, abs(dx), abs(dy), shape, crs, rounded)
     _warn_of_scale(place)
-    return _Grid(da, place, turned, flips)
+    dims, sizes = da.dims[-2:], da.shape[-2:]
+    coords = {dim: da.coords[dim].values for dim in dims}
+    axes = GridAxes((dims[0], dims[1]), (sizes[0], sizes[1]), coords, turned, flips)
+    return _Grid(da, place, axes)
 
 
 def spacing_of(da: "xr.DataArray") -> tuple[float, float] | None:
@@ -257,25 +262,15 @@ def spacing_of(da: "xr.DataArray") -> tuple[float, float] | None:
     Raise ValueError if the array is not north up, so that its rows and columns would be mistaken
     for those of a map.
     """
-    if da.ndim < 2 or not any(dim in da.coords for dim in da.dims[-2:]):
+    if da.ndim < 2 or not (any(dim in da.coords for dim in da.dims[-2:]) or _of_transform(da)):
         return None
     grid = _grid(da)
-    if grid.turned or any(axis.step == -1 for axis in grid.flips):
+    if grid.axes.turned or any(axis.step == -1 for axis in grid.axes.flips):
         raise ValueError(
             "heights: the array's rows do not run north to south and its columns west to east, as "
             "its coordinates tell; use heights.geosweep, which turns it, or give the spacing"
         )
     return grid.place.dy, grid.place.dx
-
-
-def inputs_like(da: "xr.DataArray", inputs: Inputs) -> Inputs:
-    """Return inputs in the order of an array's axes. Arrays must have its coordinates."""
-    return Inputs(
-        **{
-            name: _like(name, array, da) if isinstance(array, xr.DataArray) else array
-            for name, array in inputs.given().items()
-        }
-    )
 
 
 class GeoMap:
@@ -305,8 +300,7 @@ class GeoMap:
 
     def back_direction(self, unit: Literal["compass", "grass"] = "compass") -> "xr.DataArray":
         """Return the bearing of the way back in degrees; see `DistanceMap.back_direction`."""
-        if unit not in ("compass", "grass"):
-            raise ValueError(f"unit={unit!r} is unknown; choose 'compass' or 'grass'")
+        check_choice("unit", unit, "compass", "grass")
         found = self.map.back_direction(unit)
         what = "direction of the way back, in degrees"
         return self._grid.back("back_direction", found, what, "degree")
@@ -362,7 +356,8 @@ class GeoMap:
         )
         extent = (left, right, bottom, top)
         lines = self.map._lines(contours, None if paths is None else _ends(paths, place))
-        ax = _plot.raster(ax, self.map.distance, extent, 1.0, cmap, colorbar)
+        shown = switch("colorbar", colorbar)
+        ax = _plot.raster(ax, self.map.distance, extent, 1.0, cmap, shown)
         _plot.add_lines(ax, lines, place.to_xy)
         ax.ticklabel_format(style="plain", useOffset=False)
         ax.locator_params(axis="x", nbins=4)
@@ -391,13 +386,21 @@ def _column(table: Any, name: str) -> Any:
     return np.asarray(table[name])
 
 
+def _shape(value: Any) -> tuple[int, ...]:
+    """Return the shape of an array; that of none for lists of unequal lengths."""
+    try:
+        return np.shape(value)
+    except ValueError:
+        return ()
+
+
 def _ends(ends: Any, place: Place) -> Floats:
     if _frames.is_table(ends):
         return _frames.points_of("ends", ends, place)
-    xy = np.atleast_2d(numbers("ends", ends))
-    if xy.ndim != 2 or xy.shape[1] != 2:
-        raise ValueError(f"ends must be x and y (n, 2), not {xy.shape}")
-    return place.to_grid("ends", xy)
+    if _frames.is_shape(ends):
+        shapes = ends if isinstance(ends, (list, tuple)) else [ends]
+        return _frames.points_of_shapes("ends", list(shapes), place)
+    return place.to_grid("ends", places_of("ends", ends, XY))
 
 
 @xr.register_dataarray_accessor("geosweep")
@@ -419,19 +422,19 @@ class Accessor:
             shapes = list(source) if isinstance(source, (list, tuple)) else [source]
             return _frames.sources_of_shapes(shapes, np.zeros(len(shapes)), place, strict)
         if isinstance(source, Lines):
-            lines = [place.to_grid("source", numbers("source", xy)) for xy in source.vertices]
+            lines = [place.to_grid("source", vertices_of(xy)) for xy in source.vertices]
             return Lines(lines, source.starts)
-        if isinstance(source, xr.DataArray) or np.shape(source) == self._da.shape:
-            return flags("source", grid.north_up("source", source))
-        refuse_apart(source)
+        if grid.axes.are_those_of(source) or grid.axes.fit(_shape(source)):
+            return flags("source", grid.axes.north_up("source", source))
+        refuse_apart("source", source)
         if is_frame(source):
-            source = columns_of(source, _XY, "map coordinates: x and y, or easting and northing")
+            source = columns_of("source", source, XY, starts=True)
         found = points_of(given("source", source))
         if not isinstance(found, Placed):
             raise ValueError(
                 "source must be (x, y), an array (n, 2), an array (n, 3) with start times, Lines, "
-                "a table, geometries, or a raster like the heights, not of the shape "
-                f"{np.shape(source)}"
+                "a table, geometries, or a raster like the heights, not "
+                f"{described(source)}"
             )
         places = place.to_grid("source", found.points[:, :2], strict)
         points = np.column_stack([places, found.points[:, 2]])
@@ -460,10 +463,13 @@ class Accessor:
 
     def _surface(self, grid: _Grid, inputs: Inputs, edges: str) -> Surface:
         on_grid: dict[str, Any] = {
-            name: grid.north_up(name, array) for name, array in inputs.given().items()
+            name: grid.axes.north_up(name, array) for name, array in inputs.given().items()
         }
-        heights = grid.north_up("heights", self._da)
-        return Surface.from_heights(heights, (grid.place.dy, grid.place.dx), edges=edges, **on_grid)
+        heights = grid.axes.north_up("heights", given("heights", self._da))
+        spacing = (grid.place.dy, grid.place.dx)
+        made = Surface.from_heights(heights, spacing, edges=edges, **on_grid)
+        made._axes = grid.axes
+        return made
 
     def solve(
         self,
@@ -503,15 +509,15 @@ class Accessor:
         grid = _grid(self._da)
         surface = self._surface(grid, Inputs(mask, holes, slowness, speed), edges)
         if targets is not None:
-            options["targets"] = grid.points("targets", targets)
+            options["targets"] = grid.axes.points("targets", targets)
         if out is not None:
             check_out(out, self._da.shape, np.dtype(options.get("dtype", np.float32)))
         strict = options.get("sources_outside", "refuse") == "refuse"
         source = self._source(source_xy, grid, strict)
         if isinstance(labels, str) and hasattr(source_xy, "columns"):
             labels = _column(source_xy, labels)
-        elif isinstance(labels, xr.DataArray) or np.shape(labels) == self._da.shape:
-            labels = grid.north_up("labels", labels)
+        elif grid.axes.are_those_of(labels) or grid.axes.fit(_shape(labels)):
+            labels = grid.axes.north_up("labels", labels)
         found = GeoMap(grid, surface.solve(source, labels=labels, **options))
         if out is not None:
             np.copyto(out, found.distance.values)

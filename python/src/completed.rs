@@ -63,9 +63,9 @@ impl CompletedGrid {
                 let (rows, cols) = self.given_shape();
                 errors::value(format!(
                     "place ({row}, {col}) is off the surface: rows go from {} to {}, columns from {} to {}",
-                    -above,
+                    0.0 - above,
                     rows as f64 - 1.0 + below,
-                    -left,
+                    0.0 - left,
                     cols as f64 - 1.0 + right
                 ))
             })

@@ -16,7 +16,7 @@ mod surface;
 mod work;
 
 use geosweep::glam::DVec2;
-use geosweep::io::{CoordinateSystem, Georeference, MapScale};
+use geosweep::io::{CoordinateSystem, Georeference, MapScale, SystemUnits};
 use geosweep::surface::{Chart, Source};
 use numpy::{PyArray2, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
@@ -83,6 +83,14 @@ fn level_set<'py>(py: Python<'py>, values: PyReadonlyArray2<'py, f64>) -> PyResu
     Ok((points, curves))
 }
 
+/// Returns whether the coordinates of a reference system are angles, and the units of its map and of its heights in
+/// metres, or `None` for texts that are not understood.
+#[pyfunction]
+fn units_of_system(text: &str) -> Option<(bool, Option<f64>, Option<f64>)> {
+    let SystemUnits { are_angles, length, height } = SystemUnits::parse(text)?;
+    Some((are_angles, length, height))
+}
+
 #[pymodule(gil_used = false)]
 fn _geosweep(module: &Bound<'_, PyModule>) -> PyResult<()> {
     // Programs compute one map after another, and opening a device takes longer than most maps.
@@ -96,6 +104,7 @@ fn _geosweep(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(devices, module)?)?;
     module.add_function(wrap_pyfunction!(map_scale, module)?)?;
     module.add_function(wrap_pyfunction!(level_set, module)?)?;
+    module.add_function(wrap_pyfunction!(units_of_system, module)?)?;
     module.add_function(wrap_pyfunction!(directions::nearest, module)?)?;
     module.add_function(wrap_pyfunction!(directions::back_direction, module)?)?;
     module.add_function(wrap_pyfunction!(directions::back_link, module)?)?;

@@ -119,3 +119,14 @@ def test_mistakes_are_named() -> None:
         grid.complete(gs.Surface.from_heights(np.zeros((9, 11))))
     with pytest.raises(ValueError, match="pole"):
         gs.CompletedGrid(given, "globe", last="apart")
+
+
+def test_crops_keep_masks() -> None:
+    given = gs.Surface.from_heights(np.zeros((6, 8)))
+    grid = gs.CompletedGrid(given, "columns", last="apart")
+    hidden = np.zeros(grid.shape, bool)
+    hidden[2, 3] = True
+    values = np.ma.masked_array(np.arange(54.0).reshape(6, 9), hidden)
+    found = grid.crop(values)
+    assert np.array_equal(np.ma.getmaskarray(found), hidden[:, :8])
+    assert np.array_equal(np.ma.getdata(found), np.ma.getdata(values)[:, :8])

@@ -22,4 +22,7 @@ pub enum MapError {
         /// Columns of the grid.
         cols: usize,
     },
+    /// The angle from which on wavefronts make a ridge is none.
+    #[error("a least angle of {0} degrees is not above 0 and up to 180")]
+    Angle(f64),
 }

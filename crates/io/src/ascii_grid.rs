@@ -171,7 +171,7 @@ fn spacing(
         map if map.is_in_metres() => FileSpacing::Unusable(
             "the .prj beside the file gives its cell size in metres and its heights in another unit".into(),
         ),
-        Projection::Map(Some(unit)) if projection.height_unit == Some(*unit) => known(None, true),
+        map if map.is_in(height_unit) => known(None, true),
         // Heights have no unit in this format and are usually in metres, so distances in another unit are of no use.
         Projection::Map(_) => FileSpacing::Unusable(
             "the .prj beside the file gives its cell size in a unit other than metres".into(),

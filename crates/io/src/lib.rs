@@ -36,6 +36,7 @@ mod raster;
 mod sidecars;
 mod sparse_file;
 mod surface_file;
+mod system_units;
 mod tiff;
 
 pub use arrays::{read_mask, read_metric, read_slowness};
@@ -60,6 +61,7 @@ pub use places::{GridFrame, Misplaced, PlaceFile, PlacedCurve, PlacedPoint, misp
 pub use ply::write_ply;
 pub use sparse_file::write_sparse_npz;
 pub use surface_file::SurfaceFile;
+pub use system_units::SystemUnits;
 pub use tiff::GeoTags;
 
 use std::fs;

@@ -9,21 +9,23 @@ pub(super) enum Held {
     Double,
 }
 
-/// Returns whether a value means "no data". Files often give that value rounded, so numbers that agree to two units in
-/// the last place are equal. As in GDAL, the sum of two numbers near the largest one overflows, so that all of these
-/// are equal: -3.4e38 is -3.4028235e38.
+/// Returns whether a value means "no data". Files often give that value rounded, so numbers that agree to four units in
+/// the last place of single precision are equal, also in double precision. As in GDAL, the sum of two numbers near the
+/// largest one of single precision overflows there, so that all of these are equal: -3.4e38 is -3.4028235e38.
 pub(super) fn means_no_data(found: f64, no_data: f64, held: Held) -> bool {
     match held {
-        Held::Double => {
-            found == no_data
-                || (found - no_data).abs() < 2.0 * (f64::EPSILON * (found + no_data).abs())
-        }
+        Held::Double => are_equal(found, no_data, f64::from(f32::EPSILON)),
         Held::Single => {
             let (found, no_data) = (found as f32, no_data as f32);
             found == no_data
                 || (found - no_data).abs() < 2.0 * (f32::EPSILON * (found + no_data).abs())
         }
     }
+}
+
+/// Returns whether two numbers agree up to rounding, in numbers with the distance `epsilon` from 1 to the next one.
+fn are_equal(a: f64, b: f64, epsilon: f64) -> bool {
+    a == b || (a - b).abs() < 2.0 * (epsilon * (a + b).abs())
 }
 
 /// Returns whether a value of an unknown type means "no data", given a value that a user has typed. Integers that single
@@ -34,9 +36,13 @@ pub(super) fn means_given_no_data(found: f64, no_data: f64) -> bool {
     }
     let are_integers =
         found.fract() == 0.0 && no_data.fract() == 0.0 && found.abs() <= LARGEST_EXACT;
-    let is_single = f64::from(found as f32) == found;
-    let held = if is_single { Held::Single } else { Held::Double };
-    found == no_data || !are_integers && means_no_data(found, no_data, held)
+    if are_integers {
+        return found == no_data;
+    }
+    match f64::from(found as f32) == found {
+        true => means_no_data(found, no_data, Held::Single),
+        false => are_equal(found, no_data, f64::EPSILON),
+    }
 }
 
 /// All integers up to this one are numbers in single precision.
@@ -62,6 +68,17 @@ mod tests {
             (-32768.0, -32767.0, false),
         ] {
             assert_eq!(means_no_data(found, no_data, Held::Single), is_equal, "{found} {no_data}");
+        }
+        // And for a GeoTIFF of 64-bit numbers (GDAL 3.10).
+        for (found, no_data, is_equal) in [
+            (-9999.0, -9999.001, true),
+            (-9999.0, -9999.01, false),
+            (-largest, -3.402823e38, true),
+            (-largest, -3.4e38, false),
+            (1e300, 1e300 * (1.0 + 1e-7), true),
+            (2.0, 2.000_01, false),
+        ] {
+            assert_eq!(means_no_data(found, no_data, Held::Double), is_equal, "{found} {no_data}");
         }
     }
 

@@ -33,18 +33,34 @@ impl ProjectionFile {
     pub fn parse(text: &str) -> Self {
         let upper = text.to_ascii_uppercase();
         match upper.contains('[') {
-            true => Self { projection: of_wkt(&upper), height_unit: None },
+            true => of_wkt(&upper),
             false => of_lines(&upper),
         }
     }
 }
 
 /// Interprets well-known text in capitals.
-fn of_wkt(text: &str) -> Projection {
-    // The text may name several units. The last one is that of the coordinates.
-    let unit = text.rsplit("UNIT[").next().and_then(|unit| unit.split(']').next());
-    let factor = unit.and_then(|unit| unit.split(',').nth(1)?.trim().parse::<f64>().ok());
-    if text.contains("PROJC") || text.contains("PROJECTEDCRS") {
+fn of_wkt(text: &str) -> ProjectionFile {
+    // The target of a transformation and the system of heights follow the system of the coordinates.
+    let text = text.split("TARGETCRS[").next().unwrap_or_default();
+    let vertical = ["VERT_CS[", "VERTCS[", "VERTCRS[", "VERTICALCRS["];
+    let end = vertical.into_iter().filter_map(|key| text.find(key)).min().unwrap_or(text.len());
+    let (across, up) = text.split_at(end);
+    ProjectionFile { projection: of_system(across), height_unit: unit_of(up) }
+}
+
+/// Returns the factor of the unit of a system. The text may name several units. The last one is that of the coordinates.
+fn unit_of(text: &str) -> Option<f64> {
+    let (_, unit) = text.rsplit_once("UNIT[")?;
+    unit.split(']').next()?.split(',').nth(1)?.trim().parse().ok()
+}
+
+/// Interprets the well-known text of one system in two dimensions.
+fn of_system(text: &str) -> Projection {
+    let factor = unit_of(text);
+    // The last ones are systems of a site, which GDAL writes for rasters that name a unit alone, and of the whole Earth.
+    let maps = ["PROJC", "PROJECTEDCRS", "LOCAL_CS[", "ENGCRS[", "ENGINEERINGCRS[", "GEOCCS["];
+    if maps.into_iter().any(|key| text.contains(key)) {
         return Projection::Map(factor);
     }
     let figure = ["SPHEROID[", "ELLIPSOID["].into_iter().find_map(|key| text.split(key).nth(1));
@@ -112,7 +128,12 @@ fn ellipsoid_of(name: Option<&str>) -> Result<Option<Ellipsoid>, String> {
 impl Projection {
     /// Returns whether the coordinates are on a map, in metres.
     pub fn is_in_metres(&self) -> bool {
-        matches!(self, Self::Map(Some(unit)) if (unit - 1.0).abs() <= ROUNDED)
+        self.is_in(1.0)
+    }
+
+    /// Returns whether the coordinates are on a map, in a unit of `length` metres.
+    pub fn is_in(&self, length: f64) -> bool {
+        matches!(self, Self::Map(Some(unit)) if (unit / length - 1.0).abs() <= ROUNDED)
     }
 }
 
@@ -152,7 +173,43 @@ mod tests {
             panic!("Moon")
         };
         assert_eq!([sphere.equator, sphere.flattening], [1_737_400.0, 0.0]);
+        assert_eq!(ProjectionFile::parse(moon).height_unit, None);
         let wkt2 = r#"GEOGCRS["x",DATUM["d",ELLIPSOID["e",6378137,298.257223563,LENGTHUNIT["metre",1]]],ANGLEUNIT["grad",0.015707963]]"#;
         assert!(matches!(ProjectionFile::parse(wkt2).projection, Projection::Degrees(Err(_))));
+    }
+
+    #[test]
+    fn units_of_heights_are_not_those_of_the_map() {
+        const GEOGRAPHIC: &str = r#"GEOGCS["WGS 84",DATUM["D",SPHEROID["WGS 84",6378137,298.257223563]],UNIT["degree",0.0174532925199433]]"#;
+        let feet = format!(r#"PROJCS["A",{GEOGRAPHIC},UNIT["US survey foot",0.304800609601219]]"#);
+        let metres = r#"VERT_CS["EGM96",VERT_DATUM["E",2005],UNIT["metre",1,AUTHORITY["EPSG","9001"]],AXIS["Up",UP]]"#;
+        let up =
+            r#"VERTCRS["H",VDATUM["V"],CS[vertical,1],AXIS["up",up],LENGTHUNIT["foot",0.3048]]"#;
+        let map = Projection::Map(Some(0.304_800_609_601_219));
+        for (text, projection, height_unit) in [
+            (feet.clone(), map.clone(), None),
+            (format!(r#"COMPD_CS["C",{feet},{metres}]"#), map.clone(), Some(1.0)),
+            (format!("{feet},{}", metres.replace("VERT_CS", "VERTCS")), map.clone(), Some(1.0)),
+            (format!(r#"COMPOUNDCRS["C",{feet},{up}]"#), map.clone(), Some(0.3048)),
+            (
+                format!(
+                    r#"BOUNDCRS[SOURCECRS[{feet}],TARGETCRS[{GEOGRAPHIC}],PARAMETER["X",1,LENGTHUNIT["metre",1]]]"#
+                ),
+                map,
+                None,
+            ),
+            (
+                format!(r#"COMPD_CS["C",{GEOGRAPHIC},{metres}]"#),
+                Projection::Degrees(Ok(Some(Ellipsoid::WGS_84))),
+                Some(1.0),
+            ),
+            (r#"LOCAL_CS["site",UNIT["metre",1]]"#.into(), Projection::Map(Some(1.0)), None),
+        ] {
+            assert_eq!(
+                ProjectionFile::parse(&text),
+                ProjectionFile { projection, height_unit },
+                "{text}"
+            );
+        }
     }
 }

@@ -17,7 +17,7 @@ use geosweep_surface::{Ellipsoid, MetricTensor, Spacing, Surface, SurfaceError};
 ///
 /// | extension | content |
 /// |---|---|
-/// | `.npy` | positions (M, N, 3), heights (M, N) or a metric (M, N, 2, 2), any number type |
+/// | `.npy` | positions (M, N, 3), heights (M, N) or a metric (M, N, 2, 2), of integers or floating-point numbers |
 /// | `.npz` | one such array; of several, the first named `surface`, `positions`, `heights` or `metric` |
 /// | `.png` | heights, grey, 8 or 16 bits, with the world file (`.pgw`) and the `.aux.xml` that GDAL reads beside it |
 /// | `.tif`, `.tiff` | heights, one band, as GDAL reads it: with scale, offset, no-data value and mask |
@@ -235,6 +235,10 @@ fn heights(grid: Grid<f64>) -> Content {
 fn array(path: &Path) -> Result<Content, IoError> {
     let array = read_array(path, &["surface", "positions", "heights", "metric"])?;
     let reason = |reason| IoError::content(path, reason);
+    if array.dtype.kind == b'b' {
+        let why = "holds booleans, which are no surface; a mask is given beside one, as with the tool's --mask";
+        return Err(IoError::content(path, why));
+    }
     match *array.shape {
         [_, _] => Ok(heights(matrix(path, array, "a height field")?)),
         [rows, cols, 3] => {

@@ -62,6 +62,15 @@ fn wrong_surfaces_are_refused_by_name() {
     bench.array("indefinite.npy", &[2, 2, 2, 2], &[1.0, 2.0, 2.0, 1.0].repeat(4));
     bench.array("unknown.obj", &[2, 2], &[0.0; 4]);
     fs::create_dir(bench.inputs.path().join("folder.npy")).unwrap();
+    for (name, shape, count) in [("mask.npy", "(2, 2)", 4), ("mask3.npy", "(2, 2, 3)", 12)] {
+        let header = format!("{{'descr': '|b1', 'fortran_order': False, 'shape': {shape}}}");
+        let length = [header.len() as u8, 0];
+        let values = vec![1; count];
+        bench.input(
+            name,
+            [b"\x93NUMPY\x01\x00", &length[..], header.as_bytes(), &values[..]].concat(),
+        );
+    }
     let mut rgb = Vec::new();
     let mut encoder = png::Encoder::new(&mut rgb, 2, 2);
     encoder.set_color(png::ColorType::Rgb);
@@ -82,6 +91,8 @@ fn wrong_surfaces_are_refused_by_name() {
         ("infinite.npy", &["height at row 1, column 0 is infinite", "NaN"]),
         ("holes.npy", &["no point of the surface is left"]),
         ("cube.npy", &["(2, 2, 2)", "(M, N, 3)"]),
+        ("mask.npy", &["holds booleans", "--mask"]),
+        ("mask3.npy", &["holds booleans", "--mask"]),
         ("indefinite.npy", &["row 0, column 0", "positive definite"]),
     ] {
         let path = bench.inputs.path().join(name);

@@ -169,3 +169,37 @@ fn pictures_are_placed_and_scaled_by_the_files_beside_them() {
     let holes: Vec<_> = (0..12).filter(|&at| bench.map("d.npy")[at].is_infinite()).collect();
     assert_eq!(holes, [0, 6, 9]);
 }
+
+/// In well-known text, the system of heights follows that of the map.
+#[test]
+fn compound_systems_have_a_unit_for_the_map_and_one_for_heights() {
+    let bench = Workbench::new();
+    let header = "ncols 3\nnrows 2\nxllcorner 1000\nyllcorner 2000\ncellsize 10\n";
+    let asc = bench.input("a.asc", format!("{header}0 0 0\n0 0 0\n"));
+    let line = format!("distance {asc} -s 0,0 --engine cpu -o m.npy");
+    let site = |unit: &str| format!("LOCAL_CS[\"site\",{unit}]");
+    let map = |unit: &str| {
+        format!("PROJCS[\"A\",GEOGCS[\"B\",UNIT[\"Degree\",0.0174532925199433]],{unit}]")
+    };
+    let above = |unit| format!("VERT_CS[\"N\",VERT_DATUM[\"N\",2005],{unit}]");
+    let [metre, foot] = ["UNIT[\"metre\",1]", "UNIT[\"US survey foot\",0.304800609601219]"];
+    for (system, is_usable) in [
+        (site(metre), true),
+        (site(foot), false),
+        (map(metre), true),
+        (map(foot), false),
+        (format!("COMPD_CS[\"C\",{},{}]", map(metre), above(metre)), true),
+        (format!("COMPD_CS[\"C\",{},{}]", map(foot), above(foot)), true),
+        (format!("COMPD_CS[\"C\",{},{}]", map(foot), above(metre)), false),
+        (format!("{},{}", map(metre), above(foot).replace("VERT_CS", "VERTCS")), false),
+    ] {
+        bench.input("a.prj", &system);
+        if is_usable {
+            bench.done(&line);
+            assert_eq!(bench.map("m.npy")[1], 10.0, "{system}");
+            std::fs::remove_file(bench.output("m.npy")).unwrap();
+        } else {
+            bench.refuse(&line, &["a.asc", "cell size", "unit", "--spacing"]);
+        }
+    }
+}

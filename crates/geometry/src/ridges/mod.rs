@@ -61,7 +61,7 @@ const SHORT: f64 = 4.0;
 /// meet at a single point, as in the middle of a circle, leave a star of a few cells.
 ///
 /// # Errors
-/// If the number of distances differs from the number of grid points.
+/// If the number of distances differs from the number of grid points, or the angle is not above 0 and up to 180 degrees.
 ///
 /// ```
 /// use geosweep::geometry::ridges;
@@ -83,6 +83,9 @@ pub fn ridges(
     distances: &[f32],
     least_angle: f64,
 ) -> Result<Vec<Ridge>, MapError> {
+    if !(least_angle > 0.0 && least_angle <= 180.0) {
+        return Err(MapError::Angle(least_angle));
+    }
     let chart = edges.chart();
     let rays = ArrivingRays::new(edges, distances)?;
     let cosine = (WEAK * least_angle).to_radians().cos();

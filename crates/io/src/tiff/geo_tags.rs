@@ -464,10 +464,16 @@ impl GeoTags {
 
 /// Returns the length in metres of a unit that GDAL writes as text, if it is known.
 pub(crate) fn metres_of_unit(name: &str) -> Option<f64> {
-    match unit_code(name)? {
+    length_of_code(unit_code(name)?)
+}
+
+/// Returns the length in metres of a unit by its number in the EPSG register, if it is known here.
+pub(crate) fn length_of_code(code: u16) -> Option<f64> {
+    match code {
         geo_key::METRE => Some(1.0),
         geo_key::FOOT => Some(0.3048),
-        _ => Some(1200.0 / 3937.0),
+        geo_key::US_SURVEY_FOOT => Some(1200.0 / 3937.0),
+        _ => None,
     }
 }
 

@@ -20,9 +20,10 @@ use ::tiff::tags::{PhotometricInterpretation, Tag};
 use band::read_band;
 use cure::Cure;
 use directory::{Directory, File};
+pub(super) use epsg_units::projected as projected_unit;
 use gdal::Metadata;
 pub use geo_tags::GeoTags;
-pub(super) use geo_tags::metres_of_unit;
+pub(super) use geo_tags::{length_of_code, metres_of_unit};
 use layout::Layout;
 pub(super) use write::{Pair32Float, encode};
 
