@@ -5,8 +5,8 @@ use rayon::prelude::*;
 use super::lanes::LaneEngine;
 #[cfg(feature = "vulkan")]
 use super::on_device::OnDevice;
-use crate::cpu::{Order, RotatedScan};
-use crate::surface::{EdgeLengths, Seed, SolverGrid, Surface};
+use crate::cpu::{self, Order, RotatedScan};
+use crate::surface::{EdgeLengths, Origin, Seed, SolverGrid, Surface};
 use crate::{Convergence, Engine, Error, Monitor, Options, Stop, UsedEngine, Wavefront};
 
 /// An engine, prepared for a surface.
@@ -167,7 +167,7 @@ impl<'a> RowEngine<'a> {
                 };
                 let done = (&self.monitor, done);
                 Ok(map_by_map(surface, sources, into, done, new, |solver, seed| {
-                    let convergence = solver.solve(&[grid.seed(seed)], stop);
+                    let convergence = solver.solve(&seeds_of(wavefront, grid, seed), stop);
                     (convergence, grid.crop(solver.distances()))
                 }))
             }
@@ -177,6 +177,13 @@ impl<'a> RowEngine<'a> {
             }
         }
     }
+}
+
+/// Returns the seeds of a grid point's own map, as a single map has them.
+pub(super) fn seeds_of(wavefront: Wavefront, grid: &SolverGrid, seed: Seed) -> Vec<Seed> {
+    let seed = grid.seed(seed);
+    let origin = Some(Origin::point(seed.place(), seed.time));
+    cpu::seeds_for(wavefront, grid.surface(), vec![Seed { origin, ..seed }])
 }
 
 /// Fills each row with a map of its own, one map per thread at a time. The row of a hole is +infinity.

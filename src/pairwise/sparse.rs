@@ -5,9 +5,10 @@ use std::time::Instant;
 use rayon::prelude::*;
 
 use super::PairwiseReport;
+use super::engine::seeds_of;
 use crate::cpu::{Order, RotatedScan, SparseRows};
 use crate::surface::{EdgeLengths, Seed, SolverGrid, Surface};
-use crate::{Convergence, Engine, Error, Options, Stop, UsedEngine};
+use crate::{Convergence, Engine, Error, Options, Stop, UsedEngine, Wavefront};
 
 /// Computes the distances from each given point (a grid index) to all points within the radius of `options`. The work
 /// is proportional to the sum, over all rows, of the area within the radius. Rows are computed by all of rayon's
@@ -67,7 +68,7 @@ pub fn pairs_within(
     };
     let row = |solver: &mut RotatedScan<f32>, &source: &usize| {
         monitor.check()?;
-        Ok::<_, Error>(sparse_row(solver, &grid, source, stop))
+        Ok::<_, Error>(sparse_row(solver, (&grid, wavefront), source, stop))
     };
     let solved: Vec<_> = sources.par_iter().map_init(solver, row).collect::<Result<_, _>>()?;
     monitor.check()?;
@@ -93,7 +94,7 @@ pub fn pairs_within(
 /// Returns the entries of a row in order.
 fn sparse_row(
     solver: &mut RotatedScan<f32>,
-    grid: &SolverGrid,
+    (grid, wavefront): (&SolverGrid, Wavefront),
     source: usize,
     stop: Stop,
 ) -> (Vec<(usize, f32)>, Convergence) {
@@ -101,7 +102,8 @@ fn sparse_row(
     if grid.points(&[source]) == [None] {
         return (Vec::new(), Convergence::NONE);
     }
-    let convergence = solver.solve(&[grid.seed(Seed::at_source(row, col, 0.0))], stop);
+    let seeds = seeds_of(wavefront, grid, Seed::at_source(row, col, 0.0));
+    let convergence = solver.solve(&seeds, stop);
     let reached = solver.reached().into_iter();
     (reached.filter_map(|(index, time)| Some((grid.own(index)?, time))).collect(), convergence)
 }

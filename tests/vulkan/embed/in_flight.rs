@@ -6,6 +6,7 @@ use geosweep::vulkan::embed::{
     self, Access, ContourFrame, LevelInput, Lookup, Outcome, PathFrame, PathsInfo, Points, Reader,
     Recording, RegionFrame, SourceInput, StartInput, SurfaceInfo, Tools,
 };
+use geosweep::vulkan::profile::{Grain, Profile, Slots};
 use geosweep::vulkan::{Schedule, VulkanError};
 
 use crate::embed::misuse::{CHART, frame, stage};
@@ -96,6 +97,62 @@ fn a_slot_in_flight_is_not_recorded_again() {
         if slots > 1 {
             record(buffers[1], &|r| r.frame(&frame.with_slot(1)).map(drop)).unwrap();
         }
+        surface.destroy(&device, host.allocator());
+        solver.destroy(&device);
+    }
+    host.free(points);
+    assert_eq!((host.messages(), host.allocations()), (Vec::new(), 0));
+}
+
+/// Two frames in flight would write the same queries and entries of one profile. The error requires checks.
+#[test]
+fn a_profile_in_flight_is_not_used_by_another_recording() {
+    let mut host = Host::new();
+    let device = host.device.clone();
+    let points = host.buffer_of(&vertices(CHART, 0.3));
+    let inputs = [Points::positions(points.handle, 32)];
+    let (instance, physical) = (host.instance.clone(), host.physical_device);
+    for checks in [true, false] {
+        let tools = Tools { checks, ..Tools::default() };
+        let mut solver =
+            embed::Solver::with_tools(&instance, physical, &device, &RASTER[..1], tools).unwrap();
+        let info = SurfaceInfo::new(CHART).with_slots(2).with_points(&inputs);
+        let mut surface = solver.surface(&device, host.allocator(), &info).unwrap();
+        let method = geosweep::vulkan::Method::new(Wavefront::Planar, crate::embed::stage::STOP);
+        let plan = solver.plan(CHART, method, 4).unwrap();
+        let sources = source(3.0, 4.0);
+        let buffers = [(); 2].map(|()| host.commands());
+        let profiles = [(); 2].map(|()| Profile::new(100, Grain::Blocks, Slots::default()));
+        let record = |slot: usize, profile: &Profile, prepare: bool| {
+            let commands = buffers[slot];
+            host.begin(commands);
+            let recording = solver.record(&device, commands, &surface);
+            if prepare {
+                recording.prepare();
+            }
+            let frame = frame(&plan, &sources).with_slot(slot);
+            let done = recording.profiled(profile).and_then(|r| r.frame(&frame).map(drop));
+            host.end(commands);
+            done
+        };
+        record(0, &profiles[0], true).unwrap();
+        let taken = record(1, &profiles[0], false);
+        match checks {
+            // Another profile serves the second recording.
+            true => {
+                assert!(matches!(taken, Err(VulkanError::ProfileInFlight)), "{taken:?}");
+                record(1, &profiles[1], false).unwrap();
+            }
+            false => taken.unwrap(),
+        }
+        for commands in buffers {
+            host.submit(commands, vk::Fence::null());
+        }
+        unsafe { device.device_wait_idle() }.unwrap();
+        assert!(profiles.iter().all(|profile| !profile.is_in_flight()));
+        record(1, &profiles[0], false).unwrap();
+        // The same command buffer is recorded anew, so its earlier recording no longer exists.
+        record(1, &profiles[0], false).unwrap();
         surface.destroy(&device, host.allocator());
         solver.destroy(&device);
     }
