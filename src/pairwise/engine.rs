@@ -179,11 +179,15 @@ impl<'a> RowEngine<'a> {
     }
 }
 
-/// Returns the seeds of a grid point's own map, as a single map has them.
+/// Returns the seeds of a grid point's map. Rows have no surroundings, so that all engines give the same rows. But where
+/// all cells are alike and skewed, a front keeps its origin, as in single maps.
 pub(super) fn seeds_of(wavefront: Wavefront, grid: &SolverGrid, seed: Seed) -> Vec<Seed> {
-    let seed = grid.seed(seed);
+    let (seed, surface) = (grid.seed(seed), grid.surface());
+    if surface.skew_around(seed.place()) == 1 || !surface.has_even_cells() {
+        return vec![seed];
+    }
     let origin = Some(Origin::point(seed.place(), seed.time));
-    cpu::seeds_for(wavefront, grid.surface(), vec![Seed { origin, ..seed }])
+    cpu::seeds_for(wavefront, surface, vec![Seed { origin, ..seed }])
 }
 
 /// Fills each row with a map of its own, one map per thread at a time. The row of a hole is +infinity.

@@ -120,12 +120,12 @@ fn with_origins(wavefront: Wavefront, surface: &Surface, mut seeds: Vec<Seed>) -
     };
     // The front of a lone point source need not be told apart from others. But in skewed cells, points whose triangles
     // are split by points beyond the border have straight lines alone.
-    let is_skewed = |seed: &Seed| {
+    let needs_lines = |seed: &Seed| {
         let place = seed.from.unwrap_or(seed.place());
         surface.skew_around(place) > if seed.from.is_some() { 1 } else { NEAR }
     };
-    let needs_lines = !is_lone || seeds.first().is_some_and(is_skewed);
-    let has_lines = needs_lines && surface.has_even_cells();
+    let has_lines =
+        (!is_lone || seeds.first().is_some_and(needs_lines)) && surface.has_even_cells();
     if has_lines && wavefront.is_curved() {
         let further = along_sight_lines(surface, &seeds);
         // Fronts that keep their origin are exact in skewed cells.
@@ -187,7 +187,7 @@ fn among_obtuse_triangles(
     }
     let points = surface.chart().points();
     let is_large = points >= LEAST_AMONG_OBTUSE;
-    if points < least || !is_large && surface.skew_around(source) == 1 {
+    if points < least || !is_large && !is_skewed(surface, source) {
         return None;
     }
     let surroundings = Surroundings::new(surface, source, [REACH_AMONG_OBTUSE; 2]);
@@ -196,6 +196,12 @@ fn among_obtuse_triangles(
     }
     let own: Vec<_> = seeds.iter().map(|seed| Seed { from: Some(source), ..*seed }).collect();
     Some(surroundings.on_surface(surroundings.seeds(wavefront, &own)))
+}
+
+/// Returns whether neighbours of a place are not the nearest points, so that points far away split triangles. On glued
+/// surfaces, where they are not searched far away, the result is false.
+fn is_skewed(surface: &Surface, place: DVec2) -> bool {
+    !surface.is_glued() && surface.skew_around(place) > 1
 }
 
 /// Returns the reach of the surroundings of `sources` sources, or `None` if there are no sources or too many.
@@ -213,7 +219,7 @@ fn few_in_long_cells(wavefront: Wavefront, surface: &Surface, seeds: &[Seed]) ->
         return None;
     }
     let reach = |at: DVec2| {
-        let in_skewed_cells = || (surface.skew_around(at) > 1).then_some([REACH_AMONG_OBTUSE; 2]);
+        let in_skewed_cells = || is_skewed(surface, at).then_some([REACH_AMONG_OBTUSE; 2]);
         reach_in_long_cells(surface, at).or_else(in_skewed_cells)
     };
     let reaches: Vec<_> = by_point.iter().map(|(at, _)| reach(*at)).collect();

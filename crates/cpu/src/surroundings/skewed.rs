@@ -34,10 +34,11 @@ pub(super) fn around_skewed_cells(
         }
     }
     let around = |(from, seed)| {
-        let skew = surface.skew_around(from);
-        let is_sheared = has_rays && is_sheared(surface, from);
-        let reach = if is_sheared || skew > 1 { skew } else { return Vec::new() };
-        on_lines(surface, from, seed, reach)
+        let skew = if surface.is_glued() { 1 } else { surface.skew_around(from) };
+        if skew == 1 && !(has_rays && is_sheared(surface, from)) {
+            return Vec::new();
+        }
+        on_lines(surface, from, seed, skew)
     };
     let further: Vec<_> = sources.into_values().flat_map(around).collect();
     if further.is_empty() { seeds } else { Seed::earliest(seeds.into_iter().chain(further)) }
