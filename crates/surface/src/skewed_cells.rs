@@ -28,6 +28,9 @@ pub struct Unresolved {
     pub seen: usize,
 }
 
+/// An edge from a point: its direction, its other end and its length.
+type Edge = (Direction, (usize, usize), f64);
+
 /// The point, of some thousands, whose cells are skewed most.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MostSkewed {
@@ -100,7 +103,7 @@ impl Surface {
             Some((to, end, self.length_on_surface(at, end)))
         };
         let ends: [_; 5] = std::array::from_fn(|to| end(Direction::ALL[to]));
-        let reach = |pair: &[Option<(Direction, (usize, usize), f64)>]| {
+        let reach = |pair: &[Option<Edge>]| {
             let ((a, end_a, length_a), (b, end_b, length_b)) = (pair[0]?, pair[1]?);
             let lengths = [length_a, length_b, self.length_on_surface(end_a, end_b)];
             let steps = [a, b].map(Direction::vector);
