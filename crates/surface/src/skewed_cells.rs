@@ -181,9 +181,9 @@ mod tests {
 
     #[test]
     fn places_are_unresolved_where_a_turning_metric_needs_points_far_away() {
-        let turning = |ratio: f64| metric(ratio, |index| 0.5 + 0.02 * index).unresolved();
+        let turning = |ratio: f64| metric(ratio, |index| 0.01 + 0.001 * index).unresolved();
         assert_eq!([1.0, 5.0, 15.0, 30.0].map(turning), [None; 4]);
-        let found = turning(1000.0).unwrap();
+        let found = turning(200.0).unwrap();
         assert!(found.needed > found.seen && found.row < 4 && found.col < 5, "{found:?}");
         assert!(found.to_string().contains(&format!("row {}, column {}", found.row, found.col)));
         // Cells that are all alike have straight lines.
