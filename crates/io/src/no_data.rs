@@ -69,7 +69,7 @@ mod tests {
         ] {
             assert_eq!(means_no_data(found, no_data, Held::Single), is_equal, "{found} {no_data}");
         }
-        // And for a GeoTIFF of 64-bit numbers (GDAL 3.10).
+        // GDAL 3.10 compares the 64-bit numbers of a GeoTIFF in this way too.
         for (found, no_data, is_equal) in [
             (-9999.0, -9999.001, true),
             (-9999.0, -9999.01, false),

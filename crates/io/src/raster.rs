@@ -99,7 +99,7 @@ fn ascii_grid(
     let (spacing, metres) = match auxiliary
         .unit
         .as_deref()
-        .map(|unit| (unit, tiff::metres_of_unit(unit)))
+        .map(|unit| (unit, tiff::metres_of_unit_text(unit)))
     {
         None | Some((_, Some(1.0))) => (spacing, Ok(metres)),
         Some((unit, length)) => {

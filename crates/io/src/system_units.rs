@@ -2,7 +2,7 @@
 
 use super::ellipsoids;
 use super::projection_file::{Projection, ProjectionFile};
-use super::tiff::{length_of_code, projected_unit};
+use super::tiff::{metres_of_unit, projected_unit};
 
 /// The units of a coordinate reference system, as far as its description tells them.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,7 +46,7 @@ impl SystemUnits {
         match ellipsoids::of_system(code) {
             Ok(None) => Some(Self {
                 are_angles: false,
-                length: projected_unit(code).map_or(Some(1.0), length_of_code),
+                length: projected_unit(code).map_or(Some(1.0), metres_of_unit),
                 height: None,
             }),
             Ok(Some(_)) | Err(_) => Some(angles),

@@ -42,7 +42,8 @@ impl Surface {
         WAYS.map(|to| self.chart.places().find_map(|at| self.edge_on_surface(at, to)))
     }
 
-    fn edge_on_surface(&self, (row, col): (usize, usize), to: Direction) -> Option<f64> {
+    /// Returns the length on the surface of the edge from a point to a neighbour, if there is one.
+    pub(super) fn edge_on_surface(&self, (row, col): (usize, usize), to: Direction) -> Option<f64> {
         let end = self.has_edge(row, col, to).then(|| self.chart.neighbour(row, col, to))??;
         Some(self.length_on_surface((row, col), end))
     }

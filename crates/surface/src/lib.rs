@@ -134,7 +134,7 @@ pub struct Surface {
     glued: Option<Arc<Glued>>,
 }
 
-/// What is known of a surface once it has been requested. A change of its inputs makes that unknown again.
+/// Values that a surface computes on first request and keeps. A change of its inputs discards them.
 #[derive(Clone, Debug, Default)]
 struct Known {
     /// The grid of a floor plan.

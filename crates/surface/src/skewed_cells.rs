@@ -28,9 +28,6 @@ pub struct Unresolved {
     pub seen: usize,
 }
 
-/// An edge from a point: its direction, its other end and its length.
-type Edge = (Direction, (usize, usize), f64);
-
 /// The point, of some thousands, whose cells are skewed most.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MostSkewed {
@@ -97,19 +94,14 @@ impl Surface {
     /// Returns the largest distance for the triangles of a point in the half of its directions that begins east. Those in
     /// the other half have the same sides, as far as the metric around the point is the same.
     fn skew_at(&self, at: (usize, usize)) -> usize {
-        let end = |to: Direction| {
-            let end = self.chart().neighbour(at.0, at.1, to);
-            let end = end.filter(|_| self.has_edge(at.0, at.1, to))?;
-            Some((to, end, self.length_on_surface(at, end)))
+        let skew = |to: Direction| {
+            let (side, other) =
+                (self.edge_on_surface(at, to)?, self.edge_on_surface(at, to.next())?);
+            let base = self.edge_on_surface(self.chart().neighbour(at.0, at.1, to)?, to.base())?;
+            let squares = [side, other, base].map(|length| length * length);
+            Some(splits_within([to, to.next()].map(Direction::vector), squares, EXACTLY))
         };
-        let ends: [_; 5] = std::array::from_fn(|to| end(Direction::ALL[to]));
-        let reach = |pair: &[Option<Edge>]| {
-            let ((a, end_a, length_a), (b, end_b, length_b)) = (pair[0]?, pair[1]?);
-            let lengths = [length_a, length_b, self.length_on_surface(end_a, end_b)];
-            let steps = [a, b].map(Direction::vector);
-            Some(splits_within(steps, lengths.map(|length| length * length), EXACTLY))
-        };
-        ends.windows(2).filter_map(reach).max().unwrap_or(1)
+        Direction::ALL[..4].iter().filter_map(|&to| skew(to)).max().unwrap_or(1)
     }
 }
 

@@ -254,7 +254,7 @@ pub(crate) struct Variant {
     pub(crate) glued: bool,
 }
 
-/// How far away the points lie that split obtuse triangles.
+/// The distance up to which points split obtuse triangles.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Splits {
     /// There are no obtuse triangles. This is said only of surfaces that are known to have none.

@@ -151,7 +151,7 @@ fn a_profile_in_flight_is_not_used_by_another_recording() {
         unsafe { device.device_wait_idle() }.unwrap();
         assert!(profiles.iter().all(|profile| !profile.is_in_flight()));
         record(1, &profiles[0], false).unwrap();
-        // The same command buffer is recorded anew, so its earlier recording no longer exists.
+        // Recording a command buffer anew ends its earlier recording, so the profile is free again.
         record(1, &profiles[0], false).unwrap();
         surface.destroy(&device, host.allocator());
         solver.destroy(&device);

@@ -85,15 +85,15 @@ pub fn seeds_for(wavefront: Wavefront, surface: &Surface, seeds: Vec<Seed>) -> V
 }
 
 /// Returns the seeds, and for each source inside a cell the fronts in its surroundings, as further seeds. Each point
-/// has only its earliest seed. The order is row-major. Surfaces of at least `least` points have surroundings around a
-/// lone source among obtuse triangles too.
+/// has only its earliest seed. The order is row-major. `in_skewed_cells` tells whether a lone source in skewed cells has
+/// surroundings on small grids too.
 fn with_surroundings(
     wavefront: Wavefront,
     surface: &Surface,
     seeds: Vec<Seed>,
-    least: usize,
+    in_skewed_cells: bool,
 ) -> Vec<Seed> {
-    let among_obtuse = among_obtuse_triangles(wavefront, surface, &seeds, least);
+    let among_obtuse = among_obtuse_triangles(wavefront, surface, &seeds, in_skewed_cells);
     let around: Vec<_> = if let Some(around) = among_obtuse {
         around
     } else {
@@ -129,7 +129,7 @@ fn with_origins(wavefront: Wavefront, surface: &Surface, mut seeds: Vec<Seed>) -
     if has_lines && wavefront.is_curved() {
         let further = along_sight_lines(surface, &seeds);
         // Fronts that keep their origin are exact in skewed cells.
-        let around = with_surroundings(wavefront, surface, seeds, LEAST_AMONG_OBTUSE);
+        let around = with_surroundings(wavefront, surface, seeds, false);
         return Seed::earliest(around.into_iter().chain(further));
     }
     let exact = around_clusters(wavefront, surface, &seeds);
@@ -140,7 +140,7 @@ fn with_origins(wavefront: Wavefront, surface: &Surface, mut seeds: Vec<Seed>) -
         exact.iter().map(|seed| ((seed.row, seed.col), seed.time)).collect();
     let mut all = match in_long_cells {
         Some(around) => Seed::earliest(seeds.into_iter().chain(around)),
-        None => with_surroundings(wavefront, surface, seeds, 0),
+        None => with_surroundings(wavefront, surface, seeds, true),
     };
     all.retain(|seed| {
         let time = is_exact.get(&(seed.row, seed.col));
@@ -171,13 +171,13 @@ fn grouped(seeds: impl IntoIterator<Item = (DVec2, Seed)>) -> Vec<(DVec2, Vec<Se
     found.into_values().collect()
 }
 
-/// Returns the fronts in the surroundings of a lone source, as seeds, if some triangles around the source are obtuse. The
-/// grid is large, or the cells at the source are skewed, and it has at least `least` points.
+/// Returns the fronts in the surroundings of a lone source, as seeds, if some triangles around the source are obtuse. On
+/// small grids there are surroundings in skewed cells alone, if `in_skewed_cells` is set.
 fn among_obtuse_triangles(
     wavefront: Wavefront,
     surface: &Surface,
     seeds: &[Seed],
-    least: usize,
+    in_skewed_cells: bool,
 ) -> Option<Vec<Seed>> {
     let origin = |seed: &Seed| seed.from.unwrap_or(seed.place());
     let source = origin(seeds.first()?);
@@ -185,9 +185,8 @@ fn among_obtuse_triangles(
     if !is_lone {
         return None;
     }
-    let points = surface.chart().points();
-    let is_large = points >= LEAST_AMONG_OBTUSE;
-    if points < least || !is_large && !is_skewed(surface, source) {
+    let is_large = surface.chart().points() >= LEAST_AMONG_OBTUSE;
+    if !(is_large || in_skewed_cells && is_skewed(surface, source)) {
         return None;
     }
     let surroundings = Surroundings::new(surface, source, [REACH_AMONG_OBTUSE; 2]);

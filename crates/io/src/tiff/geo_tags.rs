@@ -1,5 +1,4 @@
-//! Interprets the fields of GeoTIFF (OGC 19-008r4): the distance between the points of a raster, and their
-//! location.
+//! Interprets and writes the fields of GeoTIFF (OGC 19-008r4) that locate the points of a raster.
 
 use std::borrow::Cow;
 use std::io::{Seek, Write};
@@ -9,14 +8,13 @@ use ::tiff::encoder::{DirectoryEncoder, TiffKind, TiffValue};
 use ::tiff::tags::{Tag, Type};
 
 use super::directory::Directory;
-use super::{Beside, Location, epsg_units};
+use super::{Beside, Location};
 use crate::ellipsoids::{self, not_degrees};
-use crate::file_spacing::{FileSpacing, LinearUnit};
 use crate::{CoordinateSystem, Georeference};
-use geosweep_surface::{Ellipsoid, Spacing};
+use geosweep_surface::Ellipsoid;
 
 /// Keys of the GeoKeyDirectory, and some of their values.
-mod geo_key {
+pub(super) mod geo_key {
     pub const MODEL_TYPE: u16 = 1024;
     pub const PROJECTED: u16 = 1;
     pub const GEOGRAPHIC: u16 = 2;
@@ -35,9 +33,6 @@ mod geo_key {
     pub const VERTICAL_SYSTEM: u16 = 4096;
     pub const VERTICAL_UNITS: u16 = 4099;
     pub const WGS_84_WITH_HEIGHTS: u16 = 4979;
-    pub const METRE: u16 = 9001;
-    pub const FOOT: u16 = 9002;
-    pub const US_SURVEY_FOOT: u16 = 9003;
     /// Upper limit of EPSG codes. Larger values stand for "undefined" and "user-defined".
     pub const LARGEST_CODE: u16 = 32766;
 }
@@ -55,7 +50,7 @@ pub struct GeoTags {
 }
 
 /// Coordinates eastwards and northwards, or their change.
-type Pair = [f64; 2];
+pub(super) type Pair = [f64; 2];
 
 impl GeoTags {
     pub(super) fn read(directory: &Directory) -> Result<Self, String> {
@@ -140,6 +135,19 @@ impl GeoTags {
         self.linear().is_some() || self.tie_points.as_ref().is_some_and(|points| points.len() > 6)
     }
 
+    /// Returns the number of tie points.
+    pub(super) fn tie_points(&self) -> usize {
+        self.tie_points.as_ref().map_or(0, Vec::len) / 6
+    }
+
+    /// Returns what is wrong with pixels that lie at control points.
+    pub(super) fn control_points(points: usize) -> String {
+        format!(
+            "the file places its pixels by {points} ground control points, not by a pixel size; \
+             gdalwarp makes a plain grid of it"
+        )
+    }
+
     /// Returns the fields with another transformation.
     fn moved_to(self, place: &Georeference) -> Self {
         let Self { mut keys, doubles, text, .. } = self;
@@ -175,7 +183,7 @@ impl GeoTags {
         self.key(geo_key::MODEL_TYPE) == Some(geo_key::PROJECTED)
     }
 
-    fn key(&self, wanted: u16) -> Option<u16> {
+    pub(super) fn key(&self, wanted: u16) -> Option<u16> {
         // Entries are (key, location, count, value). Location 0 means that the entry holds the value itself.
         let (entries, _) = self.keys.as_chunks::<4>();
         entries.iter().skip(1).find(|entry| entry[..2] == [wanted, 0]).map(|entry| entry[3])
@@ -225,123 +233,8 @@ impl GeoTags {
     }
 
     /// Returns the value of a key if it is an EPSG code.
-    fn code(&self, wanted: u16) -> Option<u16> {
+    pub(super) fn code(&self, wanted: u16) -> Option<u16> {
         self.key(wanted).filter(|code| (1..=geo_key::LARGEST_CODE).contains(code))
-    }
-
-    /// Returns the distance between pixels, if the file gives it in a unit of length. `unit_of_values` is the
-    /// unit of the heights according to GDAL's metadata.
-    pub(crate) fn spacing(&self, unit_of_values: Option<&str>) -> FileSpacing {
-        let spacing = match self.lengths() {
-            Ok(Some(spacing)) => spacing,
-            Ok(None) => return FileSpacing::Unknown,
-            Err(why) => return FileSpacing::Unusable(why),
-        };
-        match self.key(geo_key::MODEL_TYPE) {
-            Some(geo_key::PROJECTED) => {}
-            Some(geo_key::GEOGRAPHIC) => {
-                return FileSpacing::Degrees("the file gives its pixel size in degrees");
-            }
-            _ => {
-                return FileSpacing::Degrees(
-                    "the file gives its pixel size in degrees, or does not say in what unit",
-                );
-            }
-        }
-        match self.unit(unit_of_values) {
-            Ok(unit) => FileSpacing::Known(spacing, unit),
-            Err(why) => FileSpacing::Unusable(why.into()),
-        }
-    }
-
-    /// Returns the sides of a pixel, if the file gives them and they are at right angles.
-    fn lengths(&self) -> Result<Option<Spacing>, String> {
-        let Some((_, [down, right])) = self.linear() else {
-            return match self.tie_points.as_ref().map_or(0, Vec::len) / 6 {
-                0 | 1 => Ok(None),
-                points => Err(Self::control_points(points)),
-            };
-        };
-        let [dx, dy] = [right, down].map(|[east, north]: [f64; 2]| east.hypot(north));
-        let usable = |side: f64| side.is_finite() && side > 0.0;
-        if !(usable(dx) && usable(dy)) {
-            return Err("the file's pixels have no size".into());
-        }
-        // The rounding errors of a rotated grid stay below this bound.
-        if (right[0] * down[0] + right[1] * down[1]).abs() > 1e-6 * dx * dy {
-            return Err(
-                "the file's rows and columns are not at right angles; gdalwarp makes a plain \
-                        grid of it"
-                    .into(),
-            );
-        }
-        Ok(Some(Spacing { dx, dy }))
-    }
-
-    fn control_points(points: usize) -> String {
-        format!(
-            "the file places its pixels by {points} ground control points, not by a pixel size; \
-             gdalwarp makes a plain grid of it"
-        )
-    }
-
-    /// Returns the common unit of pixel sizes and heights, or an error if they differ.
-    fn unit(&self, unit_of_values: Option<&str>) -> Result<LinearUnit, &'static str> {
-        let across = self.key(geo_key::PROJECTED_LINEAR_UNITS);
-        let across =
-            across.or_else(|| self.code(geo_key::PROJECTED_SYSTEM).and_then(epsg_units::projected));
-        let name = |unit| match unit {
-            geo_key::METRE => Some("m"),
-            geo_key::FOOT => Some("ft"),
-            geo_key::US_SURVEY_FOOT => Some("US ft"),
-            _ => None,
-        };
-        match (across, self.unit_of_heights(unit_of_values)?) {
-            (None, geo_key::METRE) => Ok(LinearUnit { name: name(geo_key::METRE), said: false }),
-            (None, _) => {
-                Err("the file gives its heights in a unit other than metres, and does not \
-                              say in what unit its pixel size is (key ProjLinearUnits)")
-            }
-            (Some(across), up) if across == up && across <= geo_key::LARGEST_CODE => {
-                Ok(LinearUnit { name: name(across), said: true })
-            }
-            (Some(geo_key::METRE), _) => {
-                Err("the file gives its heights in a unit other than its \
-                                              pixel size's, which is in metres")
-            }
-            _ => Err("the file gives its pixel size in a unit other than metres, and not its \
-                      heights in the same"),
-        }
-    }
-
-    /// Returns the unit of the heights, which are in metres unless the file states otherwise.
-    fn unit_of_heights(&self, unit_of_values: Option<&str>) -> Result<u16, &'static str> {
-        let unit = match unit_of_values.map(unit_code) {
-            Some(Some(code)) => Some(code),
-            Some(None) => {
-                return Err(
-                    "the file gives its values in a unit (UNITTYPE of GDAL_METADATA) that is \
-                            not known",
-                );
-            }
-            None => self
-                .key(geo_key::VERTICAL_UNITS)
-                .or_else(|| self.code(geo_key::VERTICAL_SYSTEM).and_then(epsg_units::vertical)),
-        };
-        Ok(unit.unwrap_or(geo_key::METRE))
-    }
-
-    /// Returns the length of the unit of the heights, in metres.
-    fn metres_per_height(&self, unit_of_values: Option<&str>) -> Result<f64, String> {
-        match self.unit_of_heights(unit_of_values)? {
-            geo_key::METRE => Ok(1.0),
-            geo_key::FOOT => Ok(0.3048),
-            geo_key::US_SURVEY_FOOT => Ok(1200.0 / 3937.0),
-            unit => Err(format!(
-                "the file gives its heights in the unit EPSG:{unit}, which is neither metres nor feet; \
-                 gdal_calc.py converts them"
-            )),
-        }
     }
 
     /// Returns the scale and the offset of the values, if the transformation contains them. As in GDAL, this
@@ -378,7 +271,7 @@ impl GeoTags {
             )
         };
         let Some((origin, [down, right])) = self.linear() else {
-            return Err(match self.tie_points.as_ref().map_or(0, Vec::len) / 6 {
+            return Err(match self.tie_points() {
                 0 | 1 => missing("ModelPixelScale (or ModelTransformation)"),
                 points => format!("is not georeferenced: {}", Self::control_points(points)),
             });
@@ -402,7 +295,7 @@ impl GeoTags {
 
     /// Returns the coordinates at row 0, column 0 of the raster, unless a tie point gives them, and their changes per
     /// row and per column, from the field to which GDAL gives precedence.
-    fn linear(&self) -> Option<(Option<Pair>, [Pair; 2])> {
+    pub(super) fn linear(&self) -> Option<(Option<Pair>, [Pair; 2])> {
         match (self.pixel_scale.as_deref(), self.transformation.as_deref()) {
             // As in GDAL, files with a negative pixel height count as north-up.
             (Some(&[dx, dy, ..]), _) if dx != 0.0 && dy != 0.0 => {
@@ -462,33 +355,6 @@ impl GeoTags {
     }
 }
 
-/// Returns the length in metres of a unit that GDAL writes as text, if it is known.
-pub(crate) fn metres_of_unit(name: &str) -> Option<f64> {
-    length_of_code(unit_code(name)?)
-}
-
-/// Returns the length in metres of a unit by its number in the EPSG register, if it is known here.
-pub(crate) fn length_of_code(code: u16) -> Option<f64> {
-    match code {
-        geo_key::METRE => Some(1.0),
-        geo_key::FOOT => Some(0.3048),
-        geo_key::US_SURVEY_FOOT => Some(1200.0 / 3937.0),
-        _ => None,
-    }
-}
-
-/// Returns the code of a unit that GDAL writes as text.
-fn unit_code(name: &str) -> Option<u16> {
-    match &name.trim().to_ascii_lowercase()[..] {
-        "m" | "metre" | "meter" | "metres" | "meters" => Some(geo_key::METRE),
-        "ft" | "foot" | "feet" | "international foot" => Some(geo_key::FOOT),
-        "us survey foot" | "us survey feet" | "us ft" | "ftus" | "us-ft" | "foot_us" | "sft" => {
-            Some(geo_key::US_SURVEY_FOOT)
-        }
-        _ => None,
-    }
-}
-
 /// A field of text, byte for byte with its end mark.
 struct Text<'a>(&'a [u8]);
 
@@ -506,12 +372,13 @@ impl TiffValue for Text<'_> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
+    use crate::file_spacing::FileSpacing;
 
-    const UTM: [u16; 12] = [1, 1, 0, 2, 1024, 0, 1, 1, 3072, 0, 1, 32616];
+    pub const UTM: [u16; 12] = [1, 1, 0, 2, 1024, 0, 1, 1, 3072, 0, 1, 32616];
 
-    fn tags(keys: &[u16]) -> GeoTags {
+    pub fn tags(keys: &[u16]) -> GeoTags {
         GeoTags {
             pixel_scale: Some(vec![30.0, 20.0, 0.0]),
             tie_points: Some(vec![1.0, 2.0, 0.0, 5e5, 4e6, 0.0]),
@@ -534,20 +401,6 @@ mod tests {
     }
 
     #[test]
-    fn heights_are_in_metres_or_feet() {
-        let metres = |code: u16| {
-            let keys =
-                [1, 1, 0, 2, geo_key::MODEL_TYPE, 0, 1, 2, geo_key::VERTICAL_UNITS, 0, 1, code];
-            tags(&keys).metres_per_height(None)
-        };
-        assert_eq!(metres(geo_key::METRE), Ok(1.0));
-        assert_eq!(metres(geo_key::FOOT), Ok(0.3048));
-        assert!(metres(9036).unwrap_err().contains("EPSG:9036"));
-        assert!(tags(&UTM).metres_per_height(Some("m")).is_ok());
-        assert!(tags(&UTM).metres_per_height(Some("fathom")).is_err());
-    }
-
-    #[test]
     fn missing_fields_are_named() {
         let missing = |tags: GeoTags| tags.georeference().unwrap_err();
         assert!(missing(GeoTags { tie_points: None, ..tags(&UTM) }).contains("ModelTiepoint"));
@@ -558,32 +411,6 @@ mod tests {
         let user_defined = [1, 1, 0, 2, 1024, 0, 1, 2, 2048, 0, 1, 32767];
         for keys in [&[][..], &[1, 1, 0, 1, 1024, 0, 1, 1], &user_defined] {
             assert_eq!(tags(keys).georeference().unwrap().system, None);
-        }
-    }
-
-    #[test]
-    fn pixel_sizes_count_where_heights_are_in_the_same_unit() {
-        let spacing = |units: &[[u16; 2]]| {
-            let entries = units.iter().flat_map(|&[key, unit]| [key, 0, 1, unit]);
-            tags(&UTM.into_iter().chain(entries).collect::<Vec<_>>()).spacing(None)
-        };
-        let known = |name, said| {
-            FileSpacing::Known(Spacing { dx: 30.0, dy: 20.0 }, LinearUnit { name, said })
-        };
-        assert_eq!(spacing(&[]), known(Some("m"), false));
-        assert_eq!(spacing(&[[4099, 9001]]), known(Some("m"), false));
-        assert_eq!(spacing(&[[3076, 9001]]), known(Some("m"), true));
-        assert_eq!(spacing(&[[3076, 9003], [4099, 9003]]), known(Some("US ft"), true));
-        assert_eq!(spacing(&[[3076, 9036], [4099, 9036]]), known(None, true));
-        for units in [
-            &[[3076, 9001], [4099, 9002]][..],
-            &[[3076, 9002]],
-            &[[3076, 9002], [4099, 9003]],
-            &[[4099, 9002]],
-            &[[3076, 32767], [4099, 32767]],
-        ] {
-            let found = spacing(units);
-            assert!(matches!(found, FileSpacing::Unusable(_)), "{units:?}: {found:?}");
         }
     }
 

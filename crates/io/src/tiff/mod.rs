@@ -9,8 +9,10 @@ mod cure;
 mod directory;
 mod epsg_units;
 mod gdal;
+mod geo_spacing;
 mod geo_tags;
 mod layout;
+mod units;
 mod write;
 
 use std::path::Path;
@@ -23,8 +25,8 @@ use directory::{Directory, File};
 pub(super) use epsg_units::projected as projected_unit;
 use gdal::Metadata;
 pub use geo_tags::GeoTags;
-pub(super) use geo_tags::{length_of_code, metres_of_unit};
 use layout::Layout;
+pub(super) use units::{metres as metres_of_unit, metres_of_text as metres_of_unit_text};
 pub(super) use write::{Pair32Float, encode};
 
 use super::file_spacing::FileSpacing;

@@ -1,4 +1,4 @@
-//! How far away the points lie that split obtuse triangles.
+//! Determines the distance of the points that split obtuse triangles.
 //!
 //! In a constant metric, the triangles without an obtuse angle are those of the reduced basis of Lagrange and Gauss:
 //! two steps and their shorter sum or difference. Splitting an obtuse triangle leads to them. So the reduced basis

@@ -108,15 +108,11 @@ impl<R: Real> EdgeLengths<R> {
     /// Returns the largest reach of the splits of a point's obtuse triangles.
     fn reach_of(&self, point: usize, obtuse: u8) -> usize {
         let around = |to: Direction| {
-            let next = to.next();
-            let base = (next.step().0 - to.step().0, next.step().1 - to.step().1);
             let at = self.chart().offset(to).from(point);
-            let lengths = [
-                self.along(point, to.step()),
-                self.along(point, next.step()),
-                self.along(at, base),
-            ];
-            reach([to, next].map(Direction::vector), lengths.map(|length| length * length))
+            let lengths = [(point, to), (point, to.next()), (at, to.base())]
+                .map(|(from, to)| self.along(from, to.step()));
+            let squares = lengths.map(|length| length * length);
+            reach([to, to.next()].map(Direction::vector), squares)
         };
         let is_obtuse = |to: &Direction| obtuse >> *to as u8 & 1 != 0;
         Direction::ALL.into_iter().filter(is_obtuse).map(around).max().unwrap_or(1)
