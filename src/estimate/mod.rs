@@ -117,12 +117,12 @@ fn estimate<R: Precision>(
         let options = options.clone().with_targets(None);
         return floor_plan::estimate(map, &fine, sources, &options);
     }
-    // This comes first, since a surface that is too small needs no map.
+    // These checks come first, since a surface that is too small or too skewed needs no map.
     let coarse = surface.coarsened(&grid_points(surface, sources))?;
-    let map = in_precision::<R>(surface, sources, options, None)?;
-    if let Some(unresolved) = map.report.unresolved {
+    if let Some(unresolved) = surface.unresolved() {
         return Err(Error::Unresolved(unresolved));
     }
+    let map = in_precision::<R>(surface, sources, options, None)?;
     // All grids use one engine, since their differences are the estimate.
     // Targets are points of the finest grid, so the other grids are solved without targets.
     let engine = options.engine.as_for(&map.report);

@@ -255,10 +255,9 @@ pub(crate) struct Variant {
 }
 
 /// The distance up to which points split obtuse triangles.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Splits {
     /// There are no obtuse triangles. This is said only of surfaces that are known to have none.
-    #[default]
     None,
     /// Up to [`SPLIT_REACH`] rows and columns away.
     Near,

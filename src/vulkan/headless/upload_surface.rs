@@ -6,7 +6,6 @@ use rayon::prelude::*;
 
 use super::context::{Flight, Unwatched};
 use crate::surface::{Chart, EdgeLengths, Surface};
-
 use crate::vulkan::device::bands::POINT_BYTES;
 use crate::vulkan::device::passes::Splits;
 use crate::vulkan::grid_images::GridImages;
