@@ -8,6 +8,7 @@
 #include "shared/source.glsl"
 #include "passes/path_cell.glsl"
 #include "passes/path_profile.glsl"
+#include "passes/path_slowed.glsl"
 #include "passes/path_copies.glsl"
 
 // Twice the distance from 1 to the next number.
@@ -65,11 +66,18 @@ void offer(Place end, float time, float size, Path path, ivec2 cell) {
     if (is_better && time < path.below) best = line;
 }
 
+// Returns the length on the surface of the edge from a point along a step.
+float length_on_surface(ivec2 at, ivec2 step) {
+    ivec2 point = point_at(at);
+    float size = edge_length(point, step);
+    if (slowed == 0 || size >= FAR) return size;
+    float mean = 0.5 * (slowness_at(point) + slowness_at(point + step));
+    return mean > 0.0 ? size / mean : size;
+}
+
 // Returns the lengths of the edges before and behind the edge from a point along a step, as parts of its own length.
-// Lengths that are weighted by a slowness do not tell how far apart points are; these edges count as equally long.
-vec2 ratios_along(ivec2 point, ivec2 step, float own) {
-    if (slowed != 0) return vec2(1.0);
-    return vec2(edge_length(point_at(point - step), step), edge_length(point_at(point + step), step)) / own;
+vec2 ratios_along(ivec2 at, ivec2 step) {
+    return vec2(length_on_surface(at - step, step), length_on_surface(at + step, step)) / length_on_surface(at, step);
 }
 
 // Looks for a better line through a cell.
@@ -99,18 +107,21 @@ void cross_cell(Cell cell, vec4 weights, Path path) {
             && (is_beside || !is_flat)) {
             vec4 times = vec4(time_at(point - step), cell.times[a], cell.times[b],
                               time_at(point + 2 * step));
-            vec2 ratios = ratios_along(point, step, cell.unit * sqrt(base));
-            Profile profile = profile_of(times, ratios, path.zero_time, cell.unit, base);
+            vec2 ratios = ratios_along(point, step);
+            vec3 slowness = vec3(dot(cell.slowness, weights), cell.slowness[a], cell.slowness[b]);
+            float mean = slowed != 0 ? 0.5 * (slowness.y + slowness.z) : 1.0;
+            Profile profile = profile_of(times, ratios, path.zero_time, cell.unit, base * mean * mean);
             float foot = clamp(0.5 + 0.5 * (ends.x - ends.y) / base, 0.0, 1.0);
-            Crossing found = is_beside ? crossing_at(profile, ends, base, foot)
-                                       : crossing(profile, ends, base);
+            Crossing found = slowed != 0 ? slowed_crossing(profile, ends, base, slowness)
+                : is_beside ? crossing_at(profile, ends, base, foot)
+                : crossing(profile, ends, base);
             int end = found.share > 0.5 ? b : a;
             float away = found.share > 0.5 ? 1.0 - found.share : found.share;
             // A line that passes a point closely ends there, unless the point is reached later than the start
             // of the line, or lies aside from the way of a line that is short itself.
             Place corner = Place(cell.first + to_corner(end), vec2(0.0));
-            Line moved = Line(true, -1, path.place, corner, cell.times[end] - base_time,
-                                  cell.unit * sqrt(max(squares[end], 0.0)), cell.first);
+            float to_end = cell.unit * cost_of(cell, squares[end], weights, corner_alone(end));
+            Line moved = Line(true, -1, path.place, corner, cell.times[end] - base_time, to_end, cell.first);
             bool leads_on = moved.time < path.below && falls(moved, path);
             if (away == 0.0 || (away < AT_POINT && leads_on)) {
                 offer(corner, moved.time, moved.size, path, cell.first);
@@ -127,7 +138,7 @@ void cross_cell(Cell cell, vec4 weights, Path path) {
             bool along = support == 1 || weights[end] > 0.0 || support > 2;
             if (reached[end] && along && squares[end] < 0.5 * NO_EDGE) {
                 Place there = Place(cell.first + to_corner(end), vec2(0.0));
-                float size = cell.unit * sqrt(max(squares[end], 0.0));
+                float size = cell.unit * cost_of(cell, squares[end], weights, corner_alone(end));
                 offer(there, cell.times[end] - base_time, size, path, cell.first);
             }
         }
@@ -141,7 +152,7 @@ void try_source_at(vec2 uv, int number, float initial, Cell cell, vec4 weights, 
     vec4 there;
     if (!inside || !corner_weights(reached_corners(cell), uv, there)) return;
     float time = initial - path.base_time;
-    float size = cell.unit * distance_of(cell, weights, there);
+    float size = cell.unit * cost_between(cell, weights, there);
     if (!nearest.exists || time + size < nearest.time + nearest.size) {
         nearest = Line(true, number, path.place, Place(cell.first, uv), time, size, ivec2(-2));
     }

@@ -5,6 +5,8 @@
 // This pass is for sources inside cells. Near such a source many rays cross a base whose two ends are reached in
 // different scans. Scans of the whole grid would then advance by about one cell an iteration.
 //
+// Where cells may be skewed, it is for sources at grid points too.
+//
 // It is also for point sources with others near them, including those at grid points. Each source is solved alone,
 // since an update would take the fronts of two sources for a single front, which would arrive too early. The times of
 // such a source are marked exact where no front from outside its window can be earlier. Where surroundings meet,
@@ -188,7 +190,9 @@ void main() {
     Source own = source(number);
     if (!counts(own)) return;
     bool crowded = is_crowded(own);
-    if (!crowded && !is_inside_cell(own)) return;
+    // In skewed cells, fronts that arrive in the order of time are late beside a source at a grid point too.
+    bool bends = is_inside_cell(own) || SPLITS > SPLIT_REACH;
+    if (!crowded && !bends) return;
 
     ivec2 in_window = from_row_major(index, TEXELS);
     ivec2 first = first_texel(own);
@@ -223,7 +227,7 @@ void main() {
         if (CARRIES) held_before = imageLoad(fronts, ivec3(texel, CARRIED));
     }
     // A line on which the slowness changes has no known time.
-    if (SPLITS != 0 && SLOWED == 0 && is_point(own) && is_inside_cell(own)) {
+    if (SPLITS != 0 && SLOWED == 0 && is_point(own) && bends) {
         vec2 place = place_of(own) - vec2(at_point(window));
         find_skew(index, place);
         barrier();

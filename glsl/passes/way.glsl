@@ -15,8 +15,8 @@ const bool PASSES_POLES = false;
 // Largest change of second differences that counts as smooth, as a part of the squared length of a step.
 const float SMOOTH = 0.5;
 // Largest such change far from the source, as a part of the length of a step times the time since the start. A kink that
-// is no larger turns the gradient by a hundredth of a radian at most.
-const float SLIGHT = 0.08;
+// is no larger turns the gradient by some thousandths of a radian at most.
+const float SLIGHT = 0.03;
 // Largest relative difference between the length of the gradient and the one that the eikonal equation
 // demands.
 const float OFF_LENGTH = 0.1;

@@ -4,13 +4,12 @@
 // atomics keep the smallest one whatever their order; see ways.glsl. One invocation is one source.
 // Counterpart: crates/geometry/src/paths/goals.rs, which lists the sources of each cell.
 
-#include "shared/cell.glsl"
-#include "shared/start.glsl"
-#include "passes/path_cell.glsl"
-
 layout(local_size_x = WORKGROUP) in;
 
 #include "passes/ways.glsl"
+#include "shared/cell.glsl"
+#include "shared/start.glsl"
+#include "passes/path_cell.glsl"
 #include "shared/source.glsl"
 
 void main() {
@@ -34,7 +33,8 @@ void main() {
         for (int j = 0; j < 4; j++) {
             if (!reached[j] || squares[j] >= 0.5 * NO_EDGE) continue;
             int index = index_of(first + to_corner(j));
-            uint start = ~rank_of(own.time + cell.unit * sqrt(max(squares[j], 0.0)));
+            float away = cell.unit * cost_of(cell, squares[j], there, corner_alone(j));
+            uint start = ~rank_of(own.time + away);
             if (turn == 0) {
                 atomicMax(ways[word_of(1, index)], start);
             } else if (ways[word_of(1, index)] == start) {

@@ -428,10 +428,8 @@ impl<'a> Recording<'a> {
             recorder.barrier(SHADER_WRITE, SHADER);
             recorder.seed(4 * together, plan.schedule.follows());
         }
-        // In skewed cells, sources inside cells have fronts along straight lines first.
-        let gains = plan.schedule.gains_by_surroundings() || surface.has_skewed_cells;
-        let gains = gains && sources.may_lie_inside_cells();
-        if gains || count > 1 && plan.wavefront.is_curved() {
+        let gains = plan.schedule.gains_by_surroundings() && sources.may_lie_inside_cells();
+        if gains || surface.has_skewed_cells || count > 1 && plan.wavefront.is_curved() {
             self.surroundings(set, count, plan);
         }
         recorder.exchange_seeds(self.variant(plan), plan.schedule);

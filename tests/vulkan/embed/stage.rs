@@ -154,9 +154,20 @@ impl Stage {
         change: impl FnOnce(SurfaceInfo) -> SurfaceInfo,
     ) -> Self {
         let mut host = host.into();
+        let each = numbers.len() / surface.chart().points();
+        // A slowness follows the other numbers of its point.
+        let slowness = surface.slowness().map(|_| each as u32);
+        let numbers = match surface.slowness() {
+            None => numbers,
+            Some(slowness) => {
+                let of_point =
+                    |(own, slowness): (&[f32], &f64)| [own, &[*slowness as f32]].concat();
+                numbers.chunks(each).zip(slowness).flat_map(of_point).collect()
+            }
+        };
         let buffer = host.buffer_of(&numbers);
         let stride = size_of_val(&numbers[..]) as u64 / surface.chart().points() as u64;
-        let points = [Points { kind, ..Points::positions(buffer.handle, stride) }];
+        let points = [Points { kind, slowness, ..Points::positions(buffer.handle, stride) }];
         let info = SurfaceInfo::new(surface.chart())
             .with_points(&points)
             .with_edge_rule(surface.edge_rule())

@@ -28,7 +28,7 @@ use clusters::around_clusters;
 use geosweep_surface::update::{Setting, Wavefront};
 use geosweep_surface::{Direction, EdgeLengths, Origin, Real, Seed, Surface, with_diagonals};
 use sight_lines::along_sight_lines;
-use skewed::around_skewed_cells;
+use skewed::{around_skewed_cells, is_sheared};
 
 /// Maximum number of rows and columns around a source's cell in its surroundings. With 8, maps from inside
 /// cells take as many iterations as from grid points, or one more. With 4 they take one or two more.
@@ -118,11 +118,12 @@ fn with_origins(wavefront: Wavefront, surface: &Surface, mut seeds: Vec<Seed>) -
         Some(None) => of_one(None),
         None => true,
     };
-    // The front of a lone point source need not be told apart from others. But in skewed cells, points whose triangles
-    // are split by points beyond the border have straight lines alone.
-    let needs_lines = |seed: &Seed| {
-        let place = seed.from.unwrap_or(seed.place());
-        surface.skew_around(place) > if seed.from.is_some() { 1 } else { NEAR }
+    // The front of a lone point source need not be told apart from others. But in skewed cells, only straight lines lead
+    // to points whose triangles are split by points beyond the border. From inside a sheared cell, only they lead between
+    // points that no ray has reached yet.
+    let needs_lines = |seed: &Seed| match seed.from {
+        Some(from) => surface.skew_around(from) > 1 || is_sheared(surface, from),
+        None => surface.skew_around(seed.place()) > NEAR,
     };
     let has_lines =
         (!is_lone || seeds.first().is_some_and(needs_lines)) && surface.has_even_cells();

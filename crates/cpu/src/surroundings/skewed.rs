@@ -45,7 +45,7 @@ pub(super) fn around_skewed_cells(
 }
 
 /// Returns whether the sides of a place's cell are not at a right angle.
-fn is_sheared(surface: &Surface, from: DVec2) -> bool {
+pub(super) fn is_sheared(surface: &Surface, from: DVec2) -> bool {
     let [row, col] = from.floor().to_array();
     let corner = |down: f64, right: f64| surface.place(DVec2::new(row + down, col + right));
     let corners = [corner(0.0, 0.0), corner(0.0, 1.0), corner(1.0, 0.0), corner(1.0, 1.0)];

@@ -11,14 +11,15 @@ const PIECES: f64 = 4.0;
 const EXACTLY: f64 = 1.0 - 1e-5;
 
 /// Returns seeds at the points of a window, at most as far from a source's cell as points that split the triangles
-/// around it. They hold the lengths of straight lines of the chart.
+/// around it, if rays `bend` around the points beside the source. They hold the lengths of straight lines of the chart.
 pub(super) fn along_lines<R: Real>(
     edges: &EdgeLengths<R>,
     source: &CentralSource,
     window: &Block,
+    bends: bool,
 ) -> Vec<Seed> {
     let from = source.at;
-    if edges.slowness().is_some() || from.fract() == DVec2::ZERO {
+    if edges.slowness().is_some() || !bends {
         return Vec::new();
     }
     let around = edges.chart().around_place(from, 1);
@@ -31,6 +32,9 @@ pub(super) fn along_lines<R: Real>(
         let beyond = (from.floor() - to).max(to - from.ceil());
         let is_near = beyond.max_element() <= skew as f64;
         let away = if is_near { length_of_line(edges, from, to)? } else { return None };
+        if away == 0.0 {
+            return None;
+        }
         Some(Seed {
             row,
             col,

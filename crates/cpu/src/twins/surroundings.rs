@@ -10,7 +10,7 @@ use super::chart_lines::along_lines;
 use crate::Solution;
 use crate::fronts::{PointKind, for_kind};
 use crate::points::PointFronts;
-use geosweep_surface::constants::{SURROUNDINGS_STEPS, SURROUNDINGS_TEXELS};
+use geosweep_surface::constants::{SPLIT_REACH, SURROUNDINGS_STEPS, SURROUNDINGS_TEXELS};
 use geosweep_surface::update::Wavefront;
 use geosweep_surface::{Block, Chart, EdgeLengths, Real, Seed};
 
@@ -51,13 +51,15 @@ fn solve<R: Real, K: PointKind<R>>(
     let mut fronts = start.clone();
     let mut merged = unreached.clone();
     let mut is_exact = vec![false; chart.bordered_points()];
+    let is_skewed = edges.reach() > SPLIT_REACH as usize;
     for source in sources {
         let is_near = |other: &CentralSource| {
             let apart = (other.at - source.at).abs().max_element();
             apart > 0.0 && apart <= f64::from(SURROUNDINGS_TEXELS)
         };
         let is_crowded = is_curved && sources.iter().any(is_near);
-        if !is_crowded && source.at.fract() == DVec2::ZERO {
+        let bends = source.at.fract() != DVec2::ZERO || is_skewed;
+        if !is_crowded && !bends {
             continue;
         }
         let window = Window::around(source.at, chart);
@@ -70,7 +72,8 @@ fn solve<R: Real, K: PointKind<R>>(
         };
         points().for_each(|point| old.copy_point(&begin, point));
         let block = Block { rows: window.rows.clone(), cols: window.cols.clone() };
-        let lines = PointFronts::start(edges, kind.clone(), &along_lines(edges, source, &block));
+        let lines =
+            PointFronts::start(edges, kind.clone(), &along_lines(edges, source, &block, bends));
         for point in points().filter(|&point| lines.time(point) < begin.time(point)) {
             old.copy_point(&lines, point);
         }

@@ -21,9 +21,9 @@ pub(super) const EVEN: Places = [-3.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0];
 /// step.
 const SMOOTH: f64 = 0.5;
 /// The largest such change far from the source, as a fraction of the length of a step times the root of the function. A
-/// kink that is no larger turns the gradient by a hundredth of a radian at most, less than the first line of a path may
-/// be off.
-const SLIGHT: f64 = 0.08;
+/// kink that is no larger turns the gradient by some thousandths of a radian at most, less than the first line of a path
+/// may be off.
+const SLIGHT: f64 = 0.03;
 
 /// Differences of samples around 0.
 struct Stencil {
