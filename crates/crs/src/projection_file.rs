@@ -2,13 +2,13 @@
 
 use std::f64::consts::PI;
 
-use super::c_number::c_number;
-use super::ellipsoids::not_degrees;
+use crate::c_number::c_number;
+use crate::ellipsoids::not_degrees;
 use geosweep_surface::Ellipsoid;
 
 /// The coordinates that a `.prj` file describes.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Projection {
+pub enum Projection {
     /// Longitudes and latitudes, and their ellipsoid. The error is for angles in another unit than degrees.
     Degrees(Result<Option<Ellipsoid>, String>),
     /// Coordinates on a map, with the length of their unit in metres, if it is known.
@@ -17,7 +17,8 @@ pub(super) enum Projection {
 
 /// The content of a `.prj` file.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct ProjectionFile {
+pub struct ProjectionFile {
+    /// The coordinates.
     pub projection: Projection,
     /// The length of the unit of heights in metres, if the file names it.
     pub height_unit: Option<f64>,
@@ -30,6 +31,7 @@ const US_FOOT: f64 = 1200.0 / 3937.0;
 const ROUNDED: f64 = 1e-6;
 
 impl ProjectionFile {
+    /// Interprets the text of a file.
     pub fn parse(text: &str) -> Self {
         let upper = text.to_ascii_uppercase();
         match upper.contains('[') {

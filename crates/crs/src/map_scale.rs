@@ -1,6 +1,6 @@
 //! Tells how much a map lengthens distances on the ground.
 
-use super::{CoordinateSystem, Georeference};
+use crate::{CoordinateSystem, Georeference};
 use geosweep_surface::{Chart, Ellipsoid};
 
 /// The scale of a conformal map over a grid: the length on the map of a unit length on the ground.

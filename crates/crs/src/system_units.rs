@@ -1,8 +1,8 @@
 //! Tells the units of a coordinate reference system.
 
-use super::ellipsoids;
-use super::projection_file::{Projection, ProjectionFile};
-use super::tiff::{metres_of_unit, projected_unit};
+use crate::ellipsoids;
+use crate::projection_file::{Projection, ProjectionFile};
+use crate::{epsg_units, units};
 
 /// The units of a coordinate reference system, as far as its description tells them.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,7 +20,7 @@ impl SystemUnits {
     /// (`OGC:CRS84`, `+proj=longlat`). Returns `None` for other texts.
     ///
     /// ```
-    /// use geosweep_io::SystemUnits;
+    /// use geosweep_crs::SystemUnits;
     ///
     /// assert!(SystemUnits::parse("EPSG:4326").is_some_and(|units| units.are_angles));
     /// assert_eq!(SystemUnits::parse("EPSG:2263").and_then(|units| units.length), Some(1200.0 / 3937.0));
@@ -46,7 +46,7 @@ impl SystemUnits {
         match ellipsoids::of_system(code) {
             Ok(None) => Some(Self {
                 are_angles: false,
-                length: projected_unit(code).map_or(Some(1.0), metres_of_unit),
+                length: epsg_units::projected(code).map_or(Some(1.0), units::metres),
                 height: None,
             }),
             Ok(Some(_)) | Err(_) => Some(angles),

@@ -2,7 +2,7 @@
 
 /// Parses a number. It may have a decimal comma. NaN and infinity may be given by name, or as Microsoft's C library
 /// prints them (`-1.#IND`, `1.#INF`).
-pub(super) fn c_number(text: &str) -> Option<f64> {
+pub fn c_number(text: &str) -> Option<f64> {
     let fallback = || match &text.to_ascii_lowercase()[..] {
         "1.#qnan" | "-1.#qnan" | "1.#snan" | "-1.#snan" | "1.#ind" | "-1.#ind" => Some(f64::NAN),
         "1.#inf" => Some(f64::INFINITY),

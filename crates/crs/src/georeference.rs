@@ -42,7 +42,7 @@ impl Georeference {
 
     /// Checks that both georeferences put the corners of a grid of this size at the same coordinates, up to a tenth of
     /// a cell.
-    pub(super) fn agrees(&self, other: &Self, rows: usize, cols: usize) -> Result<(), String> {
+    pub fn agrees(&self, other: &Self, rows: usize, cols: usize) -> Result<(), String> {
         if let (Some(own), Some(other)) = (self.system, other.system)
             && own != other
         {

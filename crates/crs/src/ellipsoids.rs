@@ -11,7 +11,7 @@ const ELLIPSOIDS: &str = include_str!("epsg_ellipsoids.csv");
 ///
 /// # Errors
 /// If its longitudes and latitudes are not in degrees.
-pub(super) fn of_system(epsg: u16) -> Result<Option<Ellipsoid>, String> {
+pub fn of_system(epsg: u16) -> Result<Option<Ellipsoid>, String> {
     let holds = |runs: &str| {
         let mut runs = runs.split(' ').map(|run| run.split_once('-').unwrap_or((run, run)));
         runs.any(|(first, last)| {
@@ -33,7 +33,7 @@ pub(super) fn of_system(epsg: u16) -> Result<Option<Ellipsoid>, String> {
 }
 
 /// Returns the message for angles in another unit.
-pub(super) fn not_degrees(unit: &str) -> String {
+pub fn not_degrees(unit: &str) -> String {
     format!(
         "its longitudes and latitudes are in {unit}, not in degrees; gdalwarp -t_srs EPSG:4326 makes a grid of degrees"
     )

@@ -1,13 +1,13 @@
 //! Turns directions from the frame of a grid to that of its map.
 
-use super::Georeference;
+use crate::Georeference;
 
 /// The orientation of a grid on its map. Directions on a grid count rows as running to the south and columns as running
 /// to the east. On rasters whose rows or columns run in other directions, this turns them to the map's north. The default
 /// turns nothing.
 ///
 /// ```
-/// use geosweep::io::Georeference;
+/// use geosweep_crs::Georeference;
 ///
 /// // The first row is the southernmost one.
 /// let south_up =
