@@ -4,15 +4,25 @@
 use std::fs;
 use std::sync::Mutex;
 
-use geosweep::accuracy::Errors;
-use geosweep::glam::DVec3;
-use geosweep::vulkan::embed::{Access, Reader};
-use geosweep::vulkan::{HeadlessSolver, Method};
-use geosweep::{DeviceChoice, Sources, Stop, Surface, Wavefront};
+use geosweep_wgpu::geosweep::accuracy::Errors;
+use geosweep_wgpu::geosweep::glam::DVec3;
+use geosweep_wgpu::geosweep::surface::{Chart, Gluing};
+use geosweep_wgpu::geosweep::vulkan::embed::Reader;
+use geosweep_wgpu::geosweep::vulkan::{HeadlessSolver, Method};
+use geosweep_wgpu::geosweep::{DeviceChoice, Sources, Stop, Surface, Wavefront};
+use geosweep_wgpu::{DistanceMap, LevelInput, MapDevice, MapFrame, MapInfo, PointSource};
 use log::{Level, LevelFilter, Log, Metadata, Record};
-use wgpu_example::cloth::{self, CHART, STRIDE};
-use wgpu_example::distance_map::{DistanceMap, MapDevice, READER};
-use wgpu_example::{Renderer, open, readback, source};
+use wgpu::util::{BufferInitDescriptor, DeviceExt};
+
+#[path = "../examples/cloth/cloth.rs"]
+mod cloth;
+#[path = "../examples/cloth/readback.rs"]
+mod readback;
+#[path = "../examples/cloth/renderer.rs"]
+mod renderer;
+
+use cloth::{CHART, STRIDE};
+use renderer::{Renderer, open, source};
 
 mod snippet {
     // docs/wgpu.md contains this module.
@@ -51,10 +61,14 @@ fn messages() -> Vec<String> {
     std::mem::take(&mut MESSAGES.0.lock().unwrap())
 }
 
-fn renderer() -> Renderer {
+fn device() -> (wgpu::Device, wgpu::Queue) {
     let name = std::env::var("GEOSWEEP_TEST_DEVICE").unwrap_or_default();
     let flags = wgpu::InstanceFlags::VALIDATION | wgpu::InstanceFlags::DEBUG;
-    let (device, queue) = open(flags, &name).expect("ci/setup installs lavapipe");
+    open(flags, &name).expect("ci/setup installs lavapipe")
+}
+
+fn renderer() -> Renderer {
+    let (device, queue) = device();
     Renderer::new(device, queue).unwrap()
 }
 
@@ -69,15 +83,23 @@ const SAMPLE: &str = "
 
     @fragment
     fn fragment(@builtin(position) place: vec4<f32>) -> @location(0) vec4<f32> {
-        return vec4<f32>(textureLoad(distances, vec2<i32>(place.xy), 0).r, 0.0, 0.0, 1.0);
-    }";
+        return vec4<f32>(CHANNEL(textureLoad(distances, vec2<i32>(place.xy), 0)), 0.0, 0.0, 1.0);
+    }
 
-/// Returns the distances that a pipeline of wgpu samples.
-fn sampled(Renderer { device, queue, map, .. }: &Renderer) -> Vec<f32> {
+    fn first(texel: vec4<f32>) -> f32 { return texel.r; }
+    fn size(texel: vec4<f32>) -> f32 { return length(texel.rg); }";
+
+/// Returns a number of each texel that a pipeline of wgpu samples: the first, or the length of the first two.
+fn sampled(
+    (device, queue): (&wgpu::Device, &wgpu::Queue),
+    texture: &wgpu::Texture,
+    channel: &str,
+) -> Vec<f32> {
     let format = wgpu::TextureFormat::R32Float;
-    let pipeline = cloth::render_pipeline(device, SAMPLE, format, None);
-    let copy = cloth::target(device, format, [CHART.cols as u32, CHART.rows as u32]);
-    let view = map.texture().create_view(&Default::default());
+    let shader = SAMPLE.replace("CHANNEL", channel);
+    let pipeline = cloth::render_pipeline(device, &shader, format, None);
+    let copy = cloth::target(device, format, [texture.width(), texture.height()]);
+    let view = texture.create_view(&Default::default());
     let layout = pipeline.get_bind_group_layout(0);
     let resource = wgpu::BindingResource::TextureView(&view);
     let group = cloth::bind_group(device, &layout, [resource]);
@@ -123,7 +145,7 @@ fn frames_hold_the_headless_map() {
         for number in last.min(1)..=last {
             renderer.frame(number).unwrap();
         }
-        let map = sampled(&renderer);
+        let map = sampled((&renderer.device, &renderer.queue), renderer.map.texture(), "first");
         let outcome = renderer.map.outcome().unwrap();
         assert!(outcome.converged && outcome.passed_over == 0, "{outcome:?}");
         let found = Errors::of(&map, &headless(&renderer, last));
@@ -152,7 +174,8 @@ fn a_map_goes_at_any_time() {
     drop(map);
     // The image exists for those who still hold it.
     let on = MapDevice::new(&device).unwrap();
-    let second = DistanceMap::new(&on, &queue, &cloth.vertices, STRIDE, CHART).unwrap();
+    let info = MapInfo::new(&cloth.vertices, STRIDE, CHART);
+    let second = DistanceMap::new(&on, &queue, &info).unwrap();
     drop(on);
     let colours = cloth.colours(&device, &kept);
     let mut drawing = device.create_command_encoder(&Default::default());
@@ -176,8 +199,11 @@ fn the_guide_shows_the_snippet() {
 /// other tests means something.
 fn a_reader_that_is_not_waited_for_is_reported() {
     let renderer = renderer();
-    let reader = Reader { access: Access::NONE, ..READER };
-    let record = |commands: &mut _| renderer.map.record_for(reader, commands, &[source(1)]);
+    let reader = Reader::OTHER_QUEUE;
+    let sources = [source(1)];
+    let record = |commands: &mut _| {
+        Ok(renderer.map.record_for(reader, commands, &MapFrame::new(&sources))?)
+    };
     renderer.frame_with(1, record).unwrap();
     drop(renderer);
     let said = messages();
@@ -191,11 +217,106 @@ fn a_reader_that_is_not_waited_for_is_reported() {
 fn a_source_off_the_grid_is_an_error() {
     let renderer = renderer();
     let mut encoder = renderer.device.create_command_encoder(&Default::default());
-    let off = geosweep::vulkan::embed::PointSource::at(0.0, 1000.0);
-    let error = renderer.map.record(&mut encoder, &[off]).unwrap_err().to_string();
+    let off = [PointSource::at(0.0, 1000.0)];
+    let error = renderer.map.record(&mut encoder, &MapFrame::new(&off)).unwrap_err().to_string();
     assert!(error.contains("1000"), "{error}");
     assert!(renderer.map.outcome().is_err(), "no map has run");
     drop((encoder, renderer));
+    assert_eq!(messages(), Vec::<String>::new());
+}
+
+/// A tube of a length of 40 around an axis, with radius 5. Its last column repeats the first one.
+const TUBE: Chart = Chart { rows: 41, cols: 65 };
+
+fn tube(device: &wgpu::Device) -> wgpu::Buffer {
+    let vertex = |index: usize| {
+        let (row, col) = (index / TUBE.cols, index % TUBE.cols % (TUBE.cols - 1));
+        let angle = std::f32::consts::TAU * col as f32 / (TUBE.cols - 1) as f32;
+        [5.0 * angle.cos(), 5.0 * angle.sin(), row as f32, 0.0]
+    };
+    let vertices: Vec<_> = (0..TUBE.points()).flat_map(vertex).collect();
+    device.create_buffer_init(&BufferInitDescriptor {
+        label: Some("tube"),
+        contents: bytemuck::cast_slice(&vertices),
+        usage: wgpu::BufferUsages::STORAGE,
+    })
+}
+
+/// Returns the distance on the tube from the source in the middle of row 20 at column 4.
+fn on_tube(row: usize, col: usize) -> f32 {
+    let around = (col as f32 - 4.0).rem_euclid(64.0);
+    let arc = 5.0 * std::f32::consts::TAU / 64.0 * around.min(64.0 - around);
+    arc.hypot(row as f32 - 20.0)
+}
+
+/// All outputs of a glued map, within a radius, beside a map of another surface in the same recording. Their values are
+/// those of a tube, which can be unrolled.
+fn outputs_of_several_maps_are_those_of_their_surfaces() {
+    let (device, queue) = device();
+    let (vertices, cloth) = (tube(&device), cloth::Cloth::new(&device));
+    let (on, gluing) = (MapDevice::new(&device).unwrap(), Gluing::columns());
+    let info = MapInfo::new(&vertices, 16, TUBE).with_gluing(&gluing);
+    let info = info.with_contours(20_000).with_regions().with_directions().with_log_map();
+    let map = DistanceMap::new(&on, &queue, &info).unwrap();
+    let flat = MapInfo::new(&cloth.vertices, STRIDE, CHART);
+    let other = DistanceMap::new(&on, &queue, &flat).unwrap();
+    let mut moving = device.create_command_encoder(&Default::default());
+    cloth.move_to(&queue, &mut moving, 0.0);
+    for radius in [12.0_f32, 6.5] {
+        let sources = [PointSource::at(20.0, 4.0)];
+        let frame = MapFrame::new(&sources)
+            .within(radius)
+            .with_levels(LevelInput::Spacing { step: 2.0, count: 10 })
+            .with_log_map_within(radius, 1e6);
+        let mut mapping = device.create_command_encoder(&Default::default());
+        let of_cloth = [source(0)];
+        on.record(&mut mapping, &[(&other, MapFrame::new(&of_cloth)), (&map, frame)]).unwrap();
+        let moved =
+            std::mem::replace(&mut moving, device.create_command_encoder(&Default::default()));
+        queue.submit([moved.finish(), mapping.finish()]);
+
+        let read = |texture: &wgpu::Texture, channel| sampled((&device, &queue), texture, channel);
+        let distances = read(map.texture(), "first");
+        let ways = read(map.directions().unwrap(), "size");
+        let logs = read(map.log_map().unwrap(), "size");
+        let labels = readback::bytes(&device, &queue, map.regions().unwrap()).unwrap();
+        let mut reached = 0;
+        for (index, &distance) in distances.iter().enumerate() {
+            let (row, col) = (index / TUBE.cols, index % TUBE.cols);
+            let truth = on_tube(row, col);
+            // At the radius itself rounding decides.
+            if (truth - radius).abs() < 1e-3 {
+                continue;
+            }
+            let label = u32::from_ne_bytes(labels[4 * index..][..4].try_into().unwrap());
+            let at = format!("row {row}, column {col}, radius {radius}");
+            if truth > radius {
+                assert_eq!((distance, label), (-1.0, u32::MAX), "{at}");
+                assert!(logs[index] > 1e6, "{at}: {}", logs[index]);
+                continue;
+            }
+            reached += 1;
+            assert_eq!(label, 0, "{at}");
+            // Rounding in single precision, and in half precision for directions.
+            assert!((distance - truth).abs() < 1e-4 * radius, "{at}: {distance} {truth}");
+            assert!((logs[index] - truth).abs() < 1e-3 * radius, "{at}: {} {truth}", logs[index]);
+            assert!(truth == 0.0 || (ways[index] - 1.0).abs() < 2e-3, "{at}: {}", ways[index]);
+        }
+        assert!(reached > 500, "{reached} points");
+        let (contours, offset) = map.contours().unwrap();
+        let contours = readback::bytes(&device, &queue, contours).unwrap();
+        let count = u32::from_ne_bytes(contours[..4].try_into().unwrap()) as usize;
+        let vertices = floats(&contours[offset as usize..][..24 * count]);
+        assert!(count > 100, "{count} vertices");
+        for vertex in vertices.chunks(6) {
+            let step = vertex[3] / 2.0;
+            assert!((step - step.round()).abs() < 1e-4 && vertex[3] <= radius, "{vertex:?}");
+        }
+        assert!(map.outcome().unwrap().converged);
+        let cloth = read(other.texture(), "first");
+        assert!(cloth.iter().all(|distance| (0.0..200.0).contains(distance)));
+    }
+    drop((map, other));
     assert_eq!(messages(), Vec::<String>::new());
 }
 
@@ -214,9 +335,13 @@ fn main() {
     unsafe { std::env::set_var("VK_LAYER_SETTINGS_PATH", folder.path()) };
     log::set_logger(&MESSAGES).unwrap();
     log::set_max_level(LevelFilter::Warn);
-    let cases: [(&str, fn()); 5] = [
+    let cases: [(&str, fn()); 6] = [
         ("the_guide_shows_the_snippet", the_guide_shows_the_snippet),
         ("frames_hold_the_headless_map", frames_hold_the_headless_map),
+        (
+            "outputs_of_several_maps_are_those_of_their_surfaces",
+            outputs_of_several_maps_are_those_of_their_surfaces,
+        ),
         ("a_map_goes_at_any_time", a_map_goes_at_any_time),
         (
             "a_reader_that_is_not_waited_for_is_reported",

@@ -1,11 +1,16 @@
 //! Draws eight frames of a moving cloth with wgpu in the colours of its map, without a window:
-//! `cargo run --release -p geosweep-wgpu-example -- picture.png`
+//! `cargo run --release -p geosweep-wgpu --example cloth -- picture.png`
+
+mod cloth;
+mod readback;
+mod renderer;
 
 use std::error::Error;
 use std::fs::File;
 use std::io::BufWriter;
 
-use wgpu_example::{Renderer, cloth::PICTURE, open, readback};
+use cloth::PICTURE;
+use renderer::{Renderer, open};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let path = std::env::args().nth(1).unwrap_or_else(|| "cloth.png".into());

@@ -1,7 +1,7 @@
 //! A cloth in a storage buffer. A compute pass moves it, and a render pass draws it in the colours of its
 //! map.
 
-use geosweep::surface::Chart;
+use geosweep_wgpu::geosweep::surface::Chart;
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 
 /// Rows and columns of vertices.

@@ -35,6 +35,7 @@ pub fn texels(
 ///
 /// # Errors
 /// If the device is lost.
+#[allow(dead_code, reason = "the test reads buffers, the example does not")]
 pub fn bytes(
     device: &wgpu::Device,
     queue: &wgpu::Queue,

@@ -1,16 +1,10 @@
-//! Distance maps of geosweep on a device of wgpu, for the program and the test beside this file. A renderer
-//! needs only [`distance_map`]; docs/wgpu.md explains its use.
-
-pub mod cloth;
-pub mod distance_map;
-pub mod readback;
+//! A renderer of wgpu with a cloth and its map, for the program beside this file and for tests.
 
 use std::error::Error;
 
-use geosweep::vulkan::embed::PointSource;
+use geosweep_wgpu::{DistanceMap, MapDevice, MapFrame, MapInfo, PointSource, unmet};
 
-use cloth::{Cloth, PICTURE, PICTURE_FORMAT};
-use distance_map::DistanceMap;
+use super::cloth::{self, Cloth, PICTURE, PICTURE_FORMAT};
 
 /// Opens a Vulkan device whose name contains `name`, in upper or lower case, and on which maps run.
 ///
@@ -28,7 +22,7 @@ pub fn open(
     let adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::VULKAN));
     let wanted = |adapter: &wgpu::Adapter| {
         adapter.get_info().name.to_lowercase().contains(&name.to_lowercase())
-            && distance_map::unmet(adapter).is_empty()
+            && unmet(adapter).is_empty()
     };
     let adapter = adapters.into_iter().find(wanted).ok_or("there is no such device")?;
     Ok(pollster::block_on(adapter.request_device(&Default::default()))?)
@@ -61,8 +55,8 @@ impl Renderer {
     /// If the device does not meet the requirements.
     pub fn new(device: wgpu::Device, queue: wgpu::Queue) -> Result<Self, Box<dyn Error>> {
         let cloth = Cloth::new(&device);
-        let on = distance_map::MapDevice::new(&device)?;
-        let map = DistanceMap::new(&on, &queue, &cloth.vertices, cloth::STRIDE, cloth::CHART)?;
+        let info = MapInfo::new(&cloth.vertices, cloth::STRIDE, cloth::CHART);
+        let map = DistanceMap::new(&MapDevice::new(&device)?, &queue, &info)?;
         let colours = cloth.colours(&device, map.texture());
         let picture = cloth::target(&device, PICTURE_FORMAT, PICTURE);
         Ok(Self { device, queue, cloth, map, picture, colours })
@@ -74,7 +68,10 @@ impl Renderer {
     /// # Errors
     /// If the map cannot be recorded.
     pub fn frame(&self, number: u32) -> Result<(), Box<dyn Error>> {
-        self.frame_with(number, |commands| self.map.record(commands, &[source(number)]))
+        let sources = [source(number)];
+        self.frame_with(number, |commands| {
+            Ok(self.map.record(commands, &MapFrame::new(&sources))?)
+        })
     }
 
     /// Records and submits a frame with a given recording of the map.
