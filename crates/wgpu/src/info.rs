@@ -29,7 +29,7 @@ pub struct MapInfo<'a> {
     pub regions: bool,
     /// Whether there is a texture of the directions of ways back.
     pub directions: bool,
-    /// Whether there is a texture of the log map.
+    /// Whether there is a texture of the log map. Glued surfaces have none.
     pub log_map: bool,
 }
 
@@ -81,7 +81,7 @@ impl<'a> MapInfo<'a> {
         Self { directions: true, ..self }
     }
 
-    /// Adds the log map.
+    /// Adds the log map, which a glued surface cannot have.
     pub fn with_log_map(self) -> Self {
         Self { log_map: true, ..self }
     }

@@ -256,9 +256,9 @@ fn outputs_of_several_maps_are_those_of_their_surfaces() {
     let (vertices, cloth) = (tube(&device), cloth::Cloth::new(&device));
     let (on, gluing) = (MapDevice::new(&device).unwrap(), Gluing::columns());
     let info = MapInfo::new(&vertices, 16, TUBE).with_gluing(&gluing);
-    let info = info.with_contours(20_000).with_regions().with_directions().with_log_map();
+    let info = info.with_contours(20_000).with_regions().with_directions();
     let map = DistanceMap::new(&on, &queue, &info).unwrap();
-    let flat = MapInfo::new(&cloth.vertices, STRIDE, CHART);
+    let flat = MapInfo::new(&cloth.vertices, STRIDE, CHART).with_log_map();
     let other = DistanceMap::new(&on, &queue, &flat).unwrap();
     let mut moving = device.create_command_encoder(&Default::default());
     cloth.move_to(&queue, &mut moving, 0.0);
@@ -266,8 +266,7 @@ fn outputs_of_several_maps_are_those_of_their_surfaces() {
         let sources = [PointSource::at(20.0, 4.0)];
         let frame = MapFrame::new(&sources)
             .within(radius)
-            .with_levels(LevelInput::Spacing { step: 2.0, count: 10 })
-            .with_log_map_within(radius, 1e6);
+            .with_levels(LevelInput::Spacing { step: 2.0, count: 10 });
         let mut mapping = device.create_command_encoder(&Default::default());
         let of_cloth = [source(0)];
         on.record(&mut mapping, &[(&other, MapFrame::new(&of_cloth)), (&map, frame)]).unwrap();
@@ -278,28 +277,26 @@ fn outputs_of_several_maps_are_those_of_their_surfaces() {
         let read = |texture: &wgpu::Texture, channel| sampled((&device, &queue), texture, channel);
         let distances = read(map.texture(), "first");
         let ways = read(map.directions().unwrap(), "size");
-        let logs = read(map.log_map().unwrap(), "size");
         let labels = readback::bytes(&device, &queue, map.regions().unwrap()).unwrap();
         let mut reached = 0;
         for (index, &distance) in distances.iter().enumerate() {
             let (row, col) = (index / TUBE.cols, index % TUBE.cols);
             let truth = on_tube(row, col);
-            // At the radius itself rounding decides.
-            if (truth - radius).abs() < 1e-3 {
+            // Arcs through 64 points of a circle are exact to the fourth order in a tenth.
+            let exact_to = 2e-3 * radius;
+            if (truth - radius).abs() < exact_to {
                 continue;
             }
             let label = u32::from_ne_bytes(labels[4 * index..][..4].try_into().unwrap());
             let at = format!("row {row}, column {col}, radius {radius}");
             if truth > radius {
                 assert_eq!((distance, label), (-1.0, u32::MAX), "{at}");
-                assert!(logs[index] > 1e6, "{at}: {}", logs[index]);
                 continue;
             }
             reached += 1;
             assert_eq!(label, 0, "{at}");
-            // Rounding in single precision, and in half precision for directions.
-            assert!((distance - truth).abs() < 1e-4 * radius, "{at}: {distance} {truth}");
-            assert!((logs[index] - truth).abs() < 1e-3 * radius, "{at}: {} {truth}", logs[index]);
+            assert!((distance - truth).abs() < exact_to, "{at}: {distance} {truth}");
+            // Directions have half precision.
             assert!(truth == 0.0 || (ways[index] - 1.0).abs() < 2e-3, "{at}: {}", ways[index]);
         }
         assert!(reached > 500, "{reached} points");
@@ -313,8 +310,12 @@ fn outputs_of_several_maps_are_those_of_their_surfaces() {
             assert!((step - step.round()).abs() < 1e-4 && vertex[3] <= radius, "{vertex:?}");
         }
         assert!(map.outcome().unwrap().converged);
-        let cloth = read(other.texture(), "first");
-        assert!(cloth.iter().all(|distance| (0.0..200.0).contains(distance)));
+        // A place of the log map is as far from the origin as its point from the source.
+        let distances = read(other.texture(), "first");
+        for (log, distance) in read(other.log_map().unwrap(), "size").iter().zip(distances) {
+            assert!((0.0..200.0).contains(&distance), "{distance}");
+            assert!((log - distance).abs() <= 1e-3 * distance, "{log} {distance}");
+        }
     }
     drop((map, other));
     assert_eq!(messages(), Vec::<String>::new());
