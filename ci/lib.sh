@@ -80,7 +80,6 @@ list_missing() {
     if [[ ${1-} == for_programs ]]; then
         need "pkg-config, for programs in C" pkg-config command -v pkg-config >/dev/null
         need "Vulkan's headers, for the same" libvulkan-dev test -e /usr/include/vulkan/vulkan_core.h
-        need "unzip, for a wheel's page" unzip command -v unzip >/dev/null
     fi
     case ${1-} in for_python | for_windows | for_cmake | for_programs) return 0 ;; esac
     if [[ -z ${SHADERC_LIB_DIR-} ]]; then
