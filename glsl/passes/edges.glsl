@@ -8,12 +8,14 @@
 // and defines
 //     float separation(ivec2 at, ivec2 step)            distance to a neighbour, without slowness
 //     void measure_turns(ivec2 at)                      measures how far the surface turns at a point
+// after this file. skew.glsl follows too.
 
 #include "update/tag.glsl"
 #include "shared/progress.glsl"
 
 float separation(ivec2 at, ivec2 step);
 void measure_turns(ivec2 at);
+void measure_skew(ivec2 at);
 
 layout(set = 0, binding = 0, rgba32f) uniform writeonly restrict image2D edges;
 layout(set = 0, binding = 1, rgba32f) uniform writeonly restrict image2D gaussians;
@@ -27,13 +29,17 @@ bool is_own(ivec2 at) {
     return in_grid(at, grid) && is_present(at);
 }
 
-// Returns the length of an edge, weighted by the mean slowness of its ends. A diagonal exists only if one of
+// Returns whether there is an edge between two points of which the first is present. A diagonal exists only if one of
 // the two points beside it does.
-float edge_length(ivec2 at, ivec2 step) {
-    if (!is_own(at + step)) return FAR;
+bool has_edge(ivec2 at, ivec2 step) {
+    if (!is_own(at + step)) return false;
     bool diagonal = step.x != 0 && step.y != 0;
-    bool beside = is_present(at + ivec2(step.x, 0)) || is_present(at + ivec2(0, step.y));
-    if (diagonal && !beside) return FAR;
+    return !diagonal || is_present(at + ivec2(step.x, 0)) || is_present(at + ivec2(0, step.y));
+}
+
+// Returns the length of an edge, weighted by the mean slowness of its ends.
+float edge_length(ivec2 at, ivec2 step) {
+    if (!has_edge(at, step)) return FAR;
     float apart = separation(at, step);
     if (!(apart > 0.0 && apart < FAR)) atomicAdd(no_length, 1u);
     return 0.5 * (load(at).slowness + load(at + step).slowness) * apart;
@@ -64,6 +70,7 @@ void main() {
             lengths[i] = edge_length(at, STORED[i]);
         }
         measure_turns(at);
+        measure_skew(at);
     }
     imageStore(edges, point_at(at), lengths);
     // The slowness of all points of a texel is written by the invocation of its first point.

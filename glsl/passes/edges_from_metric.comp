@@ -38,3 +38,5 @@ float separation(ivec2 at, ivec2 step) {
     float sum = a.slowness * step_length(a.metric, step) + b.slowness * step_length(b.metric, step);
     return sum / (a.slowness + b.slowness);
 }
+
+#include "passes/skew.glsl"

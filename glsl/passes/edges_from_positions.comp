@@ -28,3 +28,4 @@ vec3 difference(Point a, Point b, ivec2 step) {
 
 #include "update/arc.glsl"
 #include "passes/turns.glsl"
+#include "passes/skew.glsl"

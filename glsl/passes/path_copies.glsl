@@ -51,6 +51,15 @@ int rarer_end(ivec2 first, ivec2 along) {
     return others.y - others.x < members.y - members.x ? 1 : 0;
 }
 
+// Returns a place, as a grid point if it lies on an edge between copies of one point, such as a pole.
+Place as_one_point(Place place) {
+    if (SEAMS == 0 || is_point(place) || (place.share.x > 0.0 && place.share.y > 0.0)) return place;
+    ivec2 members = copies_of(place.first);
+    ivec2 others = copies_of(place.first + ivec2(greaterThan(place.share, vec2(0.0))));
+    if (members.x < members.y && members == others) place.share = vec2(0.0);
+    return place;
+}
+
 // Returns the number of places that copy_at() may find: the place itself and its possible copies.
 int most_copies(Place place) {
     if (SEAMS == 0 || (place.share.x > 0.0 && place.share.y > 0.0)) return 1;

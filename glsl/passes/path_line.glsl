@@ -161,13 +161,14 @@ int corner_that_is(ivec2 at, Cell cell) {
 void try_source(int number, Cell cell, vec4 weights, Path path, inout Line nearest) {
     Source other = source(number);
     if (!counts(other)) return;
-    Place own = place_from(place_of(other));
-    int copies = most_copies(own);
-    if (copies > 1 && is_point(own)) {
+    Place own = as_one_point(place_from(place_of(other)));
+    ivec2 members = copies_of(own.first);
+    if (is_point(own) && members.x < members.y) {
         int corner = corner_that_is(own.first, cell);
         if (corner >= 0) try_source_at(vec2(to_corner(corner)), number, other.time, cell, weights, path, nearest);
         return;
     }
+    int copies = most_copies(own);
     for (int i = 0; i < copies; i++) {
         Place copy;
         if (!copy_at(own, i, copy)) continue;

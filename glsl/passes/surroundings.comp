@@ -86,6 +86,7 @@ vec2 front_at(ivec2 point) {
 }
 
 #include "update/splits.glsl"
+#include "passes/chart_lines.glsl"
 
 // Updates the texel whose first point is at `at` through the two triangles of each scan.
 void update_texel(ivec2 at, inout vec4 time, inout vec4 held) {
@@ -192,7 +193,10 @@ void main() {
     ivec2 in_window = from_row_major(index, TEXELS);
     ivec2 first = first_texel(own);
     if (is_there) seeds[seed].window = first;
-    if (index == 0) leaves = floatBitsToUint(FAR);
+    if (index == 0) {
+        leaves = floatBitsToUint(FAR);
+        skew_around = 1;
+    }
     window = window_at(first);
     ivec2 texel = first + in_window;
     ivec2 texels = texels_of(grid);
@@ -217,6 +221,13 @@ void main() {
     } else if (is_there) {
         time_before = imageLoad(fronts, ivec3(texel, TIME));
         if (CARRIES) held_before = imageLoad(fronts, ivec3(texel, CARRIED));
+    }
+    // A line on which the slowness changes has no known time.
+    if (SPLITS != 0 && SLOWED == 0 && is_point(own) && is_inside_cell(own)) {
+        vec2 place = place_of(own) - vec2(at_point(window));
+        find_skew(index, place);
+        barrier();
+        if (is_there && skew_around > 1) add_lines(own, place, at, time_before, held_before);
     }
     vec4 time = time_before;
     vec4 held = held_before;

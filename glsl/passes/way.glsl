@@ -10,9 +10,13 @@
 const bool PASSES_POLES = false;
 #include "passes/path_line.glsl"
 #include "passes/step_over_seams.glsl"
+#include "update/reduced_basis.glsl"
 
 // Largest change of second differences that counts as smooth, as a part of the squared length of a step.
 const float SMOOTH = 0.5;
+// Largest such change far from the source, as a part of the length of a step times the time since the start. A kink that
+// is no larger turns the gradient by a hundredth of a radian at most.
+const float SLIGHT = 0.08;
 // Largest relative difference between the length of the gradient and the one that the eikonal equation
 // demands.
 const float OFF_LENGTH = 0.1;
@@ -65,7 +69,8 @@ Path path_from(ivec2 at, float start) {
 // time is `time`, in squared units. The result is FAR if `at` is not reached.
 float excess_at(ivec2 at, float time, vec2 start_and_unit) {
     // The grid may go on beyond its sides.
-    float other = time_at(SEAMS != 0 ? on_grid(at) : at);
+    if (SEAMS != 0) at = on_grid(at);
+    float other = in_grid(at, grid) ? time_at(at) : FAR;
     if (!is_reached(other)) return FAR;
     float start = start_and_unit.x;
     return ((other - time) / start_and_unit.y) * (((other - start) + (time - start)) / start_and_unit.y);
@@ -103,12 +108,23 @@ bool descent(ivec2 at, float time, float start, Metric metric, float unit, out v
     float since = (time - start) / unit;
     if (!is_usable(metric) || since <= 0.0) return false;
     float noise = 16.0 * since * abs(time / unit) * ROUNDING;
+    // In sheared cells, the nearest points lie along other steps than rows and columns.
+    ivec2 a = ivec2(1, 0);
+    ivec2 b = ivec2(0, 1);
+    vec2 squares = vec2(metric.cc, metric.rr);
+    float along = metric.cr;
+    if (!reduce(a, b, squares, along)) return false;
+    vec2 limits = max(SMOOTH * squares, SLIGHT * since * sqrt(squares)) + noise;
     vec2 slopes;
-    if (!slope_along(at, ivec2(1, 0), time, vec2(start, unit), SMOOTH * metric.cc + noise, slopes.x)
-        || !slope_along(at, ivec2(0, 1), time, vec2(start, unit), SMOOTH * metric.rr + noise, slopes.y)) {
+    if (!slope_along(at, a, time, vec2(start, unit), limits.x, slopes.x)
+        || !slope_along(at, b, time, vec2(start, unit), limits.y, slopes.y)) {
         return false;
     }
-    step = -raised(metric, slopes);
+    // The slopes are products with both steps. The determinant of the steps is 1 or -1.
+    float turn = float(a.x * b.y - a.y * b.x);
+    vec2 gradient = turn * vec2(float(b.y) * slopes.x - float(a.y) * slopes.y,
+                                float(a.x) * slopes.y - float(b.x) * slopes.x);
+    step = -raised(metric, gradient);
     float size = sqrt(max(product(metric, step, step), 0.0)) / (2.0 * since);
     return abs(size - 1.0) < OFF_LENGTH;
 }

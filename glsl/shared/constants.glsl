@@ -212,8 +212,11 @@
 // Largest length of an edge. Squares and sums of such lengths stay within single precision and below FAR. A
 // larger coordinate in a renderer's memory marks a hole, as NaN does.
 #define LONGEST_EDGE 1e12
-// The turning of a surface is measured at no more than this many points in each direction, spread over the grid.
+// The turning of a surface is measured at no more than this many points in each direction, spread over the grid, and so
+// is the skew of its cells.
 #define LOOKS 48
+// Bits of the number of a point of this sample.
+#define SAMPLE_BITS 12
 // Cosine of 30 degrees. A surface turns sharply where the cosine of the angle between unit normals is
 // smaller.
 #define SHARP_COSINE 0.8660254

@@ -41,6 +41,7 @@ layout(set = 0, binding = 4) restrict buffer Progress {
     uint compared;    // number of all sampled edges
     uint continued;   // number of sampled edges beyond which the normal is known too
     uint turns[2];    // for these edges, sums of squared differences of normals one and two steps apart
+    uint skew;        // largest distance of points that split triangles, and its place; see skew.glsl
     uint seam_gap;    // largest gap between copies of a point, and its group; see glued_points.glsl
 };
 

@@ -197,3 +197,34 @@ fn log_maps_go_on_over_seams() {
         assert!(mean < 1e-4 && largest < 6e-4, "globe {source:?}: {mean} {largest}");
     }
 }
+
+/// A source that moves along a row beside a pole turns away from its straight lines. Errors grow with the square of the
+/// angle between columns.
+#[test]
+fn log_maps_beside_poles_are_those_of_the_sphere() {
+    let cases = [
+        (91, 181, [5, 33]),
+        (91, 181, [2, 90]),
+        (91, 181, [88, 7]),
+        (61, 121, [55, 33]),
+        (33, 65, [27, 0]),
+        (32, 17, [2, 6]),
+        (41, 101, [39, 77]),
+    ];
+    for (rows, cols, source) in cases {
+        let globe = globe(rows, cols);
+        let from = globe.position(source[0], source[1]).unwrap();
+        let exact = |log_map: &LogMap, row: usize, col: usize| {
+            let at = globe.position(row, col)?;
+            let way = (at - from * from.dot(at)).normalize_or_zero() * angle_between(at, from);
+            let axes = log_map.bases[0].in_space?;
+            (at.dot(from) > f64::cos(1.8))
+                .then(|| DVec2::from(axes.map(|axis| way.dot(axis.into()))))
+        };
+        let name = format!("{rows} x {cols} from {source:?}");
+        let [mean, largest] = log_errors(&name, &globe, source.map(|at| at as f64), exact);
+        let angle = std::f64::consts::TAU / (cols - 1) as f64;
+        assert!(mean < 0.1 * angle * angle, "{name}: {mean} {largest}");
+        assert!(largest < 0.5 * angle * angle, "{name}: {mean} {largest}");
+    }
+}

@@ -2,6 +2,7 @@
 //! files.
 
 mod accuracy;
+mod any_cells;
 mod bounds;
 #[cfg(feature = "canonical")]
 mod canonical;

@@ -54,7 +54,7 @@
 
 // Version of this header, which `geosweep_solver_create` compares with the library's. It grows with each
 // change that makes programs compile or run differently.
-#define GEOSWEEP_HEADER_VERSION 8
+#define GEOSWEEP_HEADER_VERSION 9
 
 // Flag for `GeosweepSolverInfo::flags` that adds checks during development, at a small cost. With this flag,
 // it is an error to record for one of several slots while the slot's last recording has not run, to destroy
@@ -70,7 +70,7 @@
 #define GEOSWEEP_STRAIGHT 1e-30
 
 // Size in bytes of the record that `geosweep_record_outcome_to` copies.
-#define GEOSWEEP_OUTCOME_BYTES 76
+#define GEOSWEEP_OUTCOME_BYTES 80
 
 // Size in bytes of a curve's record in a `GeosweepCurves`. It is the stride of indirect draws, and the size
 // that `geosweep_curve_record_from_bytes` reads.
@@ -479,6 +479,10 @@ typedef struct GeosweepSurfaceInfo {
     const struct GeosweepRunPair *runs;
     // Number of entries in `runs`.
     uint32_t run_count;
+    // Whether cells may be so skewed that fronts arrive from points more than six rows or columns away. Updates then look
+    // for points up to 16 away, which resolves axes of the metric with a ratio of 30 instead of 10.
+    // `GeosweepOutcome::unresolved_distance` says whether it is enough. The sides of such a grid cannot be glued.
+    bool has_skewed_cells;
     // Name of the surface in labels and names of objects, for debugging tools and the validation layers; null for
     // "surface" and a number. The text is UTF-8, and is not needed after the call.
     const char *name;
@@ -545,6 +549,14 @@ typedef struct GeosweepOutcome {
     // Whether the surface turns at random from point to point, as noise does. On such surfaces planar fronts
     // have the smallest errors, and curved ones may arrive early by some hundredths of the distance.
     bool is_rough;
+    // Row of the point whose cells are skewed most; see `unresolved_distance`.
+    uint32_t unresolved_row;
+    // Column of that point.
+    uint32_t unresolved_col;
+    // Distance in rows and columns of the points from which fronts arrive there, if that is too far away for updates, and
+    // 0 if it is not. Fronts may then be late around that point. `GeosweepSurfaceInfo::has_skewed_cells` lets updates
+    // look farther. If that is set already, the grid has to follow the direction in which lengths are short.
+    uint32_t unresolved_distance;
     // Whether the map has converged, over edges that were measured. If not, `geosweep_record_resume`
     // continues it.
     bool converged;

@@ -19,7 +19,7 @@ use super::surface::{GeosweepImage, GeosweepOutcome, GeosweepSurface};
 use geosweep::vulkan::embed::{self, MOST_TOGETHER, Recording};
 
 /// Size in bytes of the record that `geosweep_record_outcome_to` copies.
-pub const GEOSWEEP_OUTCOME_BYTES: u32 = 76;
+pub const GEOSWEEP_OUTCOME_BYTES: u32 = 80;
 const _: () = assert!(GEOSWEEP_OUTCOME_BYTES as usize == embed::Outcome::BYTES);
 
 /// Appends commands to a recording for a surface. Writes what `append` returns to `result` unless that is null.

@@ -17,7 +17,7 @@ use geosweep::vulkan::{Schedule, VulkanError, embed};
 
 /// Version of this header, which `geosweep_solver_create` compares with the library's. It grows with each
 /// change that makes programs compile or run differently.
-pub const GEOSWEEP_HEADER_VERSION: u32 = 8;
+pub const GEOSWEEP_HEADER_VERSION: u32 = 9;
 
 /// Flag for `GeosweepSolverInfo::flags` that adds checks during development, at a small cost. With this flag,
 /// it is an error to record for one of several slots while the slot's last recording has not run, to destroy

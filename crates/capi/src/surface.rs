@@ -13,7 +13,7 @@ use super::status::{Failure, calls};
 use super::surface_info::{
     GeosweepHostImage, GeosweepSourceBuffer, GeosweepSurfaceInfo, Wanted, name,
 };
-use geosweep::surface::EdgeRule;
+use geosweep::surface::{EdgeRule, Unresolved};
 use geosweep::vulkan::embed;
 
 /// A grid on the device: edge lengths and fronts, which all recordings share, and an image of distances for
@@ -95,6 +95,14 @@ pub struct GeosweepOutcome {
     /// Whether the surface turns at random from point to point, as noise does. On such surfaces planar fronts
     /// have the smallest errors, and curved ones may arrive early by some hundredths of the distance.
     pub is_rough: bool,
+    /// Row of the point whose cells are skewed most; see `unresolved_distance`.
+    pub unresolved_row: u32,
+    /// Column of that point.
+    pub unresolved_col: u32,
+    /// Distance in rows and columns of the points from which fronts arrive there, if that is too far away for updates, and
+    /// 0 if it is not. Fronts may then be late around that point. `GeosweepSurfaceInfo::has_skewed_cells` lets updates
+    /// look farther. If that is set already, the grid has to follow the direction in which lengths are short.
+    pub unresolved_distance: u32,
     /// Whether the map has converged, over edges that were measured. If not, `geosweep_record_resume`
     /// continues it.
     pub converged: bool,
@@ -112,6 +120,7 @@ impl AsRef<Shared> for GeosweepSurface {
 impl From<embed::Outcome> for GeosweepOutcome {
     fn from(outcome: embed::Outcome) -> Self {
         let resolution = outcome.resolution;
+        let unresolved = |of: fn(Unresolved) -> usize| outcome.unresolved.map_or(0, of) as u32;
         Self {
             residual: outcome.residual,
             iterations: outcome.iterations,
@@ -122,6 +131,9 @@ impl From<embed::Outcome> for GeosweepOutcome {
             seam_gap: outcome.seam_gap as f32,
             sharp_edges: resolution.map_or(0.0, |of| of.sharp_edges as f32),
             is_rough: resolution.is_some_and(|of| of.is_rough()),
+            unresolved_row: unresolved(|at| at.row),
+            unresolved_col: unresolved(|at| at.col),
+            unresolved_distance: unresolved(|at| at.needed),
             converged: outcome.converged,
             measured: outcome.measured,
         }

@@ -136,6 +136,10 @@ pub struct GeosweepSurfaceInfo {
     pub runs: *const GeosweepRunPair,
     /// Number of entries in `runs`.
     pub run_count: u32,
+    /// Whether cells may be so skewed that fronts arrive from points more than six rows or columns away. Updates then look
+    /// for points up to 16 away, which resolves axes of the metric with a ratio of 30 instead of 10.
+    /// `GeosweepOutcome::unresolved_distance` says whether it is enough. The sides of such a grid cannot be glued.
+    pub has_skewed_cells: bool,
     /// Name of the surface in labels and names of objects, for debugging tools and the validation layers; null for
     /// "surface" and a number. The text is UTF-8, and is not needed after the call.
     pub name: *const c_char,
@@ -158,6 +162,7 @@ pub(super) struct Wanted<'a> {
     sources: Vec<embed::SourceBuffer>,
     lookups: Vec<embed::Lookup>,
     gluing: Option<Gluing>,
+    has_skewed_cells: bool,
     name: Option<Cow<'a, str>>,
 }
 
@@ -197,6 +202,7 @@ impl<'a> Wanted<'a> {
             lookups: lookups.iter().map(|&lookup| lookup.into()).collect(),
             // SAFETY: the caller's promise.
             gluing: unsafe { gluing_of(info) }?,
+            has_skewed_cells: info.has_skewed_cells,
             // SAFETY: the text ends with a zero.
             name: (!info.name.is_null())
                 .then(|| unsafe { CStr::from_ptr(info.name) }.to_string_lossy()),
@@ -213,6 +219,7 @@ impl<'a> Wanted<'a> {
             .with_sources(&self.sources)
             .with_lookups(&self.lookups)
             .with_gluing(&self.gluing)
+            .with_skewed_cells(self.has_skewed_cells)
             .with_name(self.name.as_deref())
     }
 

@@ -211,8 +211,11 @@ pub const TARGET_MARGIN: f64 = 0.02;
 /// Largest length of an edge. Squares and sums of such lengths stay within single precision and below FAR. A
 /// larger coordinate in a renderer's memory marks a hole, as NaN does.
 pub const LONGEST_EDGE: f64 = 1e12;
-/// The turning of a surface is measured at no more than this many points in each direction, spread over the grid.
+/// The turning of a surface is measured at no more than this many points in each direction, spread over the grid, and so
+/// is the skew of its cells.
 pub const LOOKS: u32 = 48;
+/// Bits of the number of a point of this sample.
+pub const SAMPLE_BITS: u32 = 12;
 /// Cosine of 30 degrees. A surface turns sharply where the cosine of the angle between unit normals is
 /// smaller.
 pub const SHARP_COSINE: f64 = 0.8660254;

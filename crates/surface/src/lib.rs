@@ -85,7 +85,7 @@ pub use map::{DistanceMap, Report, UsedEngine};
 pub use monitor::{Cancelled, Monitor};
 pub use name::UnknownName;
 #[doc(hidden)]
-pub use obtuse::{PartsAround, SplitPart, is_obtuse};
+pub use obtuse::{PartsAround, SplitPart, is_obtuse, reach::reduced_basis, reach::splits_within};
 pub use real::{FAR, LONGEST_EDGE, Real, SHORTEST_EDGE};
 #[doc(hidden)]
 pub use real::{max, min, relative_change};

@@ -6,8 +6,8 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use super::obtuse::reach::splits_within;
-use super::{Direction, Surface, kept};
-use crate::constants::{FARTHEST_SPLIT, LOOKS, SPLIT_REACH};
+use super::{Chart, Direction, Surface, kept};
+use crate::constants::{FARTHEST_SPLIT, LOOKS, SAMPLE_BITS, SPLIT_REACH};
 
 /// A place of a surface whose cells are so skewed that updates do not see all points from which fronts arrive there. A
 /// map may be late by tens of per cent around it. The grid resolves such a surface if its rows or columns follow the
@@ -82,13 +82,10 @@ impl Surface {
 
     /// Returns some thousands of points, evenly spread.
     fn samples(&self) -> impl ParallelIterator<Item = (usize, usize)> {
-        let step = |points: usize| points.div_ceil(LOOKS as usize).max(1);
-        let [rows, cols] = [self.rows(), self.cols()];
-        (0..rows).into_par_iter().step_by(step(rows)).flat_map_iter(move |row| {
-            // The points lie at other columns in each row, so that they meet features along columns too.
-            let first = row / step(rows) % step(cols);
-            (first..cols).step_by(step(cols)).map(move |col| (row, col))
-        })
+        let chart = self.chart();
+        let all = (0..LOOKS * LOOKS).into_par_iter();
+        all.map(move |number| sample(chart, number))
+            .filter(move |&(row, col)| row < chart.rows && col < chart.cols)
     }
 
     /// Returns the largest distance for the triangles of a point in the half of its directions that begins east. Those in
@@ -102,6 +99,28 @@ impl Surface {
             Some(splits_within([to, to.next()].map(Direction::vector), squares, EXACTLY))
         };
         Direction::ALL[..4].iter().filter_map(|&to| skew(to)).max().unwrap_or(1)
+    }
+}
+
+/// Returns the row and column of a point of the sample, by its number. It may lie beyond the grid.
+///
+/// The points lie at other columns in each row, so that they meet features along columns too.
+fn sample(chart: Chart, number: u32) -> (usize, usize) {
+    let every = |points: usize| points.div_ceil(LOOKS as usize).max(1);
+    let [down, right] = [number / LOOKS, number % LOOKS].map(|count| count as usize);
+    let step = every(chart.cols);
+    (down * every(chart.rows), right * step + down % step)
+}
+
+impl Unresolved {
+    /// Returns the place that a device has found, which counts the points from the end of the sample so that the first of
+    /// several points has the largest number (`glsl/passes/skew.glsl`). `seen` is the distance up to which updates look.
+    #[doc(hidden)]
+    pub fn found_by_device(chart: Chart, found: u32, seen: usize) -> Option<Self> {
+        let last = (1 << SAMPLE_BITS) - 1;
+        let needed = (found >> SAMPLE_BITS) as usize;
+        let (row, col) = sample(chart, last - (found & last));
+        (needed > seen).then_some(Self { row, col, needed, seen })
     }
 }
 

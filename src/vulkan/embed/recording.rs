@@ -334,7 +334,8 @@ impl<'a> Recording<'a> {
         let grid = &self.surface.grid;
         let small_tiles = self.solver.tuning().has_small_tiles(grid.texels);
         let glued = grid.copies.is_some();
-        PipelineSet { slowed: grid.is_slowed(), small_tiles, glued }.variant(plan.wavefront.into())
+        let (slowed, skewed) = (grid.is_slowed(), self.surface.has_skewed_cells);
+        PipelineSet { slowed, small_tiles, glued, skewed }.variant(plan.wavefront.into())
     }
 
     pub(super) fn check_sources(&self, sources: SourceInput) -> Result<(), VulkanError> {
@@ -427,7 +428,9 @@ impl<'a> Recording<'a> {
             recorder.barrier(SHADER_WRITE, SHADER);
             recorder.seed(4 * together, plan.schedule.follows());
         }
-        let gains = plan.schedule.gains_by_surroundings() && sources.may_lie_inside_cells();
+        // In skewed cells, sources inside cells have fronts along straight lines first.
+        let gains = plan.schedule.gains_by_surroundings() || surface.has_skewed_cells;
+        let gains = gains && sources.may_lie_inside_cells();
         if gains || count > 1 && plan.wavefront.is_curved() {
             self.surroundings(set, count, plan);
         }

@@ -1,6 +1,6 @@
 //! Creates the pipelines of a device, which all its surfaces share.
 
-use std::sync::atomic::{AtomicU8, Ordering};
+use std::sync::atomic::{AtomicU16, Ordering};
 
 use ash::{khr, vk};
 
@@ -11,7 +11,7 @@ use crate::vulkan::device::labels::Labels;
 use crate::vulkan::device::limits::Limits;
 use crate::vulkan::device::passes::{
     COMMON, EXCHANGE, GLUED_POINTS_FROM_BUFFER, GLUED_POINTS_FROM_IMAGE, SHARE_CURVATURE,
-    SURROUNDINGS, Variant,
+    SURROUNDINGS, Splits, Variant,
 };
 use crate::vulkan::device::pipelines::{Cache, Pipeline, Pipelines};
 use crate::vulkan::device::requirements;
@@ -32,7 +32,7 @@ pub struct Solver {
     /// See [`Tools::checks`].
     pub(super) checks: bool,
     /// Bit mask of the pipeline sets that exist, by their numbers.
-    pipeline_sets: AtomicU8,
+    pipeline_sets: AtomicU16,
 }
 
 /// Properties of a surface on which its pipelines depend.
@@ -44,20 +44,23 @@ pub(super) struct PipelineSet {
     pub(super) small_tiles: bool,
     /// Whether sides of its grid are glued.
     pub(super) glued: bool,
+    /// Whether its cells may be skewed ([`super::SurfaceInfo::has_skewed_cells`]).
+    pub(super) skewed: bool,
 }
 
 impl PipelineSet {
     /// Returns all sets, in the order of their numbers.
     fn all() -> impl Iterator<Item = Self> {
-        (0..8).map(|number| {
-            let [slowed, small_tiles, glued] = [1, 2, 4].map(|bit| number & bit != 0);
-            Self { slowed, small_tiles, glued }
+        (0..16).map(|number| {
+            let [slowed, small_tiles, glued, skewed] = [1, 2, 4, 8].map(|bit| number & bit != 0);
+            Self { slowed, small_tiles, glued, skewed }
         })
     }
 
-    fn bit(self) -> u8 {
-        let Self { slowed, small_tiles, glued } = self;
-        1 << (u8::from(slowed) + 2 * u8::from(small_tiles) + 4 * u8::from(glued))
+    fn bit(self) -> u16 {
+        let Self { slowed, small_tiles, glued, skewed } = self;
+        let bits = [slowed, small_tiles, glued, skewed].map(u16::from);
+        1 << bits.into_iter().rev().fold(0, |number, bit| 2 * number + bit)
     }
 
     /// Returns the passes of maps of surfaces with these properties.
@@ -73,7 +76,8 @@ impl PipelineSet {
 
     /// Returns the variant of pipelines for surfaces with these properties.
     pub(super) fn variant(self, of: Variant) -> Variant {
-        Variant { slowed: self.slowed, small_tiles: self.small_tiles, ..of }
+        let splits = if self.skewed { Splits::Far } else { of.splits };
+        Variant { slowed: self.slowed, small_tiles: self.small_tiles, splits, ..of }
     }
 }
 
@@ -172,7 +176,7 @@ impl Solver {
             Pipelines::new(device, (tuning, on_processor), labels, tools.executables)?;
         pipelines.separates_pairs = tools.checks;
         pipelines.set_cache(cache);
-        let pipeline_sets = AtomicU8::new(0);
+        let pipeline_sets = AtomicU16::new(0);
         let mut new = Self { pipelines, limits, checks: tools.checks, pipeline_sets };
         match new.make_first(device, passes) {
             Ok(()) => Ok(new),
@@ -235,7 +239,7 @@ impl Solver {
         let shuffles = tile_lanes::shuffles(instance, physical_device);
         tuning.check(&properties.limits, shuffles)?;
         self.pipelines.set_tuning(device, tuning);
-        self.pipeline_sets = AtomicU8::new(0);
+        self.pipeline_sets = AtomicU16::new(0);
         self.make_first(device, passes)
     }
 
@@ -245,7 +249,7 @@ impl Solver {
     /// The cache belongs to the host, which fills it from a file, merges it, saves it and destroys it. It must
     /// be alive whenever this solver creates pipelines: in [`Solver::with_cache`], [`Solver::set_tuning`] and
     /// [`Solver::add_passes`], with the first surface that has a slowness, a small grid
-    /// ([`Tuning::small_grid`]) or glued sides, and with the first [`super::Contours`], [`super::Paths`],
+    /// ([`Tuning::small_grid`]), skewed cells or glued sides, and with the first [`super::Contours`], [`super::Paths`],
     /// [`super::Regions`] (of each wavefront), [`super::Directions`] and [`super::LogMapImage`]. Pipelines do
     /// not need it once they are created. This solver uses the cache from one thread at a time. For other uses
     /// at the same time, the rules of `vkCreateComputePipelines` apply.

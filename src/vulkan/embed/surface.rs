@@ -12,9 +12,11 @@ use super::outputs::HostImage;
 use super::solver::{PipelineSet, Solver};
 use super::state::State;
 use super::surface_sets::HostSets;
-use crate::constants::{BORDER, NEVER_MEASURED, SOURCES_TOGETHER, TIME};
+use crate::constants::{
+    BORDER, FARTHEST_SPLIT, NEVER_MEASURED, SOURCES_TOGETHER, SPLIT_REACH, TIME,
+};
 use crate::surface::{
-    Chart, EdgeRule, Glued, Gluing, GluingError, Resolution, SurfaceError, UNGLUED,
+    Chart, EdgeRule, Glued, Gluing, GluingError, Resolution, SurfaceError, UNGLUED, Unresolved,
 };
 use crate::update::Wavefront;
 use crate::vulkan::copies::CopyList;
@@ -51,6 +53,12 @@ pub struct SurfaceInfo<'a> {
     /// Plans for the surface are made with [`super::Plan::over_seams`]. The gluing cannot be [`Gluing::Charts`],
     /// which depends on positions.
     pub gluing: Option<&'a Gluing>,
+    /// Whether cells may be so skewed that fronts arrive from points more than six rows or columns away. Updates then look
+    /// for points up to 16 away, which resolves axes of the metric with a ratio of 30 instead of 10. Creating the surface
+    /// then also creates pipelines of its own for all schedules and wavefronts that the solver has at that time. An update
+    /// takes longer only where cells are that skewed. [`Outcome::unresolved`] says whether it is enough. The sides of such
+    /// a grid cannot be glued.
+    pub has_skewed_cells: bool,
     /// Images of the host for the distances, one per slot. If this is empty, the surface allocates them. See
     /// [`HostImage`].
     pub results: &'a [HostImage],
@@ -80,6 +88,7 @@ impl<'a> SurfaceInfo<'a> {
             slots: 1,
             queue_families: &[],
             gluing: None,
+            has_skewed_cells: false,
             results: &[],
             points: &[],
             sources: &[],
@@ -101,6 +110,7 @@ impl<'a> SurfaceInfo<'a> {
     setters! {
         with_edge_rule(edge_rule: EdgeRule);
         with_slots(slots: usize);
+        with_skewed_cells(has_skewed_cells: bool);
         with_queue_families(queue_families: &'a [u32]);
         with_results(results: &'a [HostImage]);
         with_points(points: &'a [Points]);
@@ -119,6 +129,12 @@ impl<'a> SurfaceInfo<'a> {
     /// Returns the gluing of the grid, after checking that all points allow it.
     fn glued(&self) -> Result<Option<Glued>, VulkanError> {
         let Some(gluing) = self.gluing else { return Ok(None) };
+        if self.has_skewed_cells {
+            let what = "the search for points far away in skewed cells";
+            return Err(
+                SurfaceError::from(GluingError::Unsupported { what, instead: UNGLUED }).into()
+            );
+        }
         self.points.iter().try_for_each(|points| check_kind(gluing, points.kind))?;
         Ok(Some(Glued::of_grid(self.chart, gluing).map_err(SurfaceError::from)?))
     }
@@ -170,6 +186,8 @@ pub struct FrameSurface {
     pub(super) flight: Arc<Flight>,
     pub(super) edge_rule: EdgeRule,
     pub(super) gluing: Option<Gluing>,
+    /// See [`SurfaceInfo::has_skewed_cells`].
+    pub(super) has_skewed_cells: bool,
     /// Whether the solver has [`super::Tools::checks`].
     checks: bool,
     /// Labels of recordings, if the solver has [`super::Tools::labels`].
@@ -250,6 +268,11 @@ pub struct Outcome {
     /// [`crate::Surface::resolution`] is the same on the CPU. It is `None` for a metric, or if the grid is too
     /// small to tell.
     pub resolution: Option<Resolution>,
+    /// Place whose cells are skewed most, of some thousands that were looked at, if that is too much for updates: then
+    /// fronts may be late around it. [`SurfaceInfo::has_skewed_cells`] lets updates look farther. If that is set already,
+    /// the grid has to follow the direction in which lengths are short. [`crate::Surface::unresolved`] is the same on the
+    /// CPU.
+    pub unresolved: Option<Unresolved>,
 }
 
 /// Largest [`Outcome::seam_gap`] that checks accept.
@@ -269,7 +292,8 @@ impl FrameSurface {
         let purpose = Purpose { owner: &name, ..purpose };
         let slowed = purpose.slowed;
         let small_tiles = solver.tuning().has_small_tiles(size.1);
-        let pipeline_set = PipelineSet { slowed, small_tiles, glued: glued.is_some() };
+        let (glued_sides, skewed) = (glued.is_some(), info.has_skewed_cells);
+        let pipeline_set = PipelineSet { slowed, small_tiles, glued: glued_sides, skewed };
         solver.make_passes_for(device, pipeline_set)?;
         let mut grid = GridImages::new(device, allocator, pipelines, size, purpose)?;
         let host = (info.results, info.points, info.sources, info.lookups);
@@ -289,6 +313,7 @@ impl FrameSurface {
                 lookup_counts: info.lookups.iter().map(|lookup| lookup.count).collect(),
                 edge_rule: info.edge_rule,
                 gluing: info.gluing.cloned(),
+                has_skewed_cells: info.has_skewed_cells,
                 checks: solver.checks,
                 labels: pipelines.labels.is_some().then(|| SurfaceLabels::new(&name)),
                 state: State::new(info.slots.max(1)),
@@ -402,7 +427,7 @@ impl FrameSurface {
 
     /// Returns the outcome in a record. With checks, it is an error if copies of a point lie apart.
     fn checked(&self, record: &Record) -> Result<Outcome, VulkanError> {
-        let outcome = Outcome::of(record);
+        let outcome = self.outcome_in(record);
         if self.checks && outcome.seam_gap > LARGEST_GAP {
             return Err(VulkanError::SeamGap {
                 gap: outcome.seam_gap,
@@ -410,6 +435,12 @@ impl FrameSurface {
             });
         }
         Ok(outcome)
+    }
+
+    fn outcome_in(&self, record: &Record) -> Outcome {
+        let seen = if self.has_skewed_cells { FARTHEST_SPLIT } else { SPLIT_REACH };
+        let unresolved = Unresolved::found_by_device(self.grid.chart, record.skew, seen as usize);
+        Outcome { unresolved, ..Outcome::of(record) }
     }
 
     /// Returns the row and column of the first copy in a group.
@@ -571,6 +602,7 @@ impl Outcome {
             passed_over,
             seam_gap: if measured { record.seam_gap().0.into() } else { 0.0 },
             resolution: resolution.filter(|_| measured),
+            unresolved: None,
         }
     }
 }

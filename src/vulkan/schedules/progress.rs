@@ -75,6 +75,7 @@ pub(crate) struct Record {
     pub(crate) compared: u32,
     pub(crate) continued: u32,
     pub(crate) turns: [u32; 2],
+    pub(crate) skew: u32,
     seam_gap: u32,
     /// Serial of the recording that wrote the record; 0 if none has. It is written last.
     pub(crate) serial: u32,

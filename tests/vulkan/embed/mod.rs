@@ -40,6 +40,7 @@ mod render;
 mod resolution;
 mod sampling;
 mod scan_pairs;
+mod skewed;
 mod small_tiles;
 mod stage;
 mod surroundings;

@@ -139,8 +139,19 @@ impl Stage {
     pub fn on(
         host: impl Into<Lent<Kept>>,
         passes: &[(Schedule, Wavefront)],
+        glued: (&Surface, Option<&Gluing>),
+        numbers: (PointKind, Vec<f32>),
+    ) -> Self {
+        Self::on_changed(host, passes, glued, numbers, |info| info)
+    }
+
+    /// Creates a stage as [`Stage::on`] does, with parameters of the surface that `change` returns.
+    pub fn on_changed(
+        host: impl Into<Lent<Kept>>,
+        passes: &[(Schedule, Wavefront)],
         (surface, gluing): (&Surface, Option<&Gluing>),
         (kind, numbers): (PointKind, Vec<f32>),
+        change: impl FnOnce(SurfaceInfo) -> SurfaceInfo,
     ) -> Self {
         let mut host = host.into();
         let buffer = host.buffer_of(&numbers);
@@ -150,7 +161,7 @@ impl Stage {
             .with_points(&points)
             .with_edge_rule(surface.edge_rule())
             .with_gluing(gluing);
-        let mut stage = Self::new(host, passes, &info);
+        let mut stage = Self::new(host, passes, &change(info));
         stage.own.push(buffer);
         stage
     }

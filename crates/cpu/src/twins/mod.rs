@@ -3,6 +3,7 @@
 //! the crate's promises of compatibility.
 
 mod blocks;
+mod chart_lines;
 mod phases;
 mod regions;
 mod scan;

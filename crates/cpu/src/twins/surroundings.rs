@@ -6,12 +6,13 @@ use std::ops::Range;
 use glam::DVec2;
 
 use super::behind;
+use super::chart_lines::along_lines;
 use crate::Solution;
 use crate::fronts::{PointKind, for_kind};
 use crate::points::PointFronts;
 use geosweep_surface::constants::{SURROUNDINGS_STEPS, SURROUNDINGS_TEXELS};
 use geosweep_surface::update::Wavefront;
-use geosweep_surface::{Chart, EdgeLengths, Real, Seed};
+use geosweep_surface::{Block, Chart, EdgeLengths, Real, Seed};
 
 /// A point source, as a renderer gives it.
 #[derive(Clone, Debug)]
@@ -68,6 +69,11 @@ fn solve<R: Real, K: PointKind<R>>(
             false => start.clone(),
         };
         points().for_each(|point| old.copy_point(&begin, point));
+        let block = Block { rows: window.rows.clone(), cols: window.cols.clone() };
+        let lines = PointFronts::start(edges, kind.clone(), &along_lines(edges, source, &block));
+        for point in points().filter(|&point| lines.time(point) < begin.time(point)) {
+            old.copy_point(&lines, point);
+        }
         for _ in 0..SURROUNDINGS_STEPS {
             let mut new = old.clone();
             let mut change = R::Bits::default();

@@ -42,6 +42,8 @@ pub(super) struct Start {
     pub frame: Frame,
     pub basis: [DVec2; 2],
     slowness: f64,
+    /// The geodesic curvature of the grid lines along columns and rows, times the squared length of a step.
+    turns: [f64; 2],
 }
 
 impl Start {
@@ -65,7 +67,8 @@ impl Start {
             }
             sum / weights
         });
-        Some(Self { at, initial, frame, basis: frame.basis()?, slowness })
+        let turns = AXES.map(|along| turn(surface, &frame, at, along));
+        Some(Self { at, initial, frame, basis: frame.basis()?, slowness, turns })
     }
 
     /// Returns the places of the source as it moves along a grid line, in steps of the frame. On a grid with uneven
@@ -104,6 +107,28 @@ impl Start {
             surface.continued_place(self.at + moved).is_some_and(|at| surface.contains(at))
         })
     }
+}
+
+/// Returns the geodesic curvature of a grid line at a place, times the squared length of a step, from the metric around
+/// the place (Christoffel symbols). The result is 0 where the metric is not known on both sides.
+fn turn(surface: &Surface, frame: &Frame, at: DVec2, along: Direction) -> f64 {
+    let along = along.vector();
+    let across = DVec2::ONE - along;
+    let metric = |step: DVec2| {
+        let place = surface.continued_place(at + step).filter(|&place| surface.contains(place))?;
+        Some(Frame::at(surface, place).metric)
+    };
+    let change = |step: DVec2| Some(0.5 * (metric(step)? - metric(-step)?));
+    let (Some(ahead), Some(aside)) = (change(along), change(across)) else { return 0.0 };
+    // The acceleration of the line, by its scalar products with a step along it and a step across.
+    let on_line = 0.5 * along.dot(ahead * along);
+    let off_line = along.dot(ahead * across) - 0.5 * along.dot(aside * along);
+    let square = along.dot(frame.metric * along);
+    let mixed = along.dot(frame.metric * across);
+    let normal = off_line - on_line * mixed / square;
+    let height = (frame.metric.determinant() / square).sqrt();
+    let turn = normal / height;
+    if turn.is_finite() { turn.abs() } else { 0.0 }
 }
 
 /// Arrival times, row-major, less the smallest initial value of the sources.
@@ -223,7 +248,12 @@ impl<'a> Departures<'a> {
                 }
             }
             let scale = square * start.slowness * start.slowness;
-            derivative_beside_kink(samples, places[axis], scale, ROUNDING * distance * distance)
+            // A source that moves along a bent line turns away from its straight lines. The second derivative of the
+            // squared distance is the distance times twice the curvature, and turns with the line.
+            let turn = start.turns[axis];
+            let bend = 4.0 * distance * start.slowness * turn * turn / square.sqrt();
+            let noise = ROUNDING * distance * distance;
+            derivative_beside_kink(samples, places[axis], scale, bend, noise)
         };
         let DMat2 { x_axis: rows, y_axis: cols } = start.frame.metric;
         let change = DVec2::new(along(0, rows.x)?, along(1, cols.y)?);

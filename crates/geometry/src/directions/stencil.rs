@@ -20,6 +20,10 @@ pub(super) const EVEN: Places = [-3.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0];
 /// The largest change of second differences that counts as smooth, as a fraction of the squared length of a
 /// step.
 const SMOOTH: f64 = 0.5;
+/// The largest such change far from the source, as a fraction of the length of a step times the root of the function. A
+/// kink that is no larger turns the gradient by a hundredth of a radian at most, less than the first line of a path may
+/// be off.
+const SLIGHT: f64 = 0.08;
 
 /// Differences of samples around 0.
 struct Stencil {
@@ -28,11 +32,17 @@ struct Stencil {
     limit: f64,
 }
 
-/// Returns the derivative at 0. `scale` is the square of the length of a step, and `noise` the rounding of a
-/// sample. If only samples on one side are used, the side given by the sign of `toward` is preferred. Returns
+/// Returns the derivative at 0. `scale` is the square of the length of a step, `since` the square root of the sample at
+/// 0, and `noise` the rounding of a sample. If only samples on one side are used, the side given by the sign of `toward` is preferred. Returns
 /// `None` if no samples without a kink are found.
-pub(super) fn derivative(samples: Samples, scale: f64, noise: f64, toward: f64) -> Option<f64> {
-    let stencil = Stencil { samples, places: EVEN, limit: SMOOTH * scale + 8.0 * noise };
+pub(super) fn derivative(
+    samples: Samples,
+    (scale, since): (f64, f64),
+    noise: f64,
+    toward: f64,
+) -> Option<f64> {
+    let limit = (SMOOTH * scale).max(SLIGHT * since * scale.sqrt()) + 8.0 * noise;
+    let stencil = Stencil { samples, places: EVEN, limit };
     let side = if toward < 0.0 { -1 } else { 1 };
     stencil.central().or_else(|| {
         let [near, far] = [side, -side].map(|side| stencil.on_side(side));
@@ -41,16 +51,18 @@ pub(super) fn derivative(samples: Samples, scale: f64, noise: f64, toward: f64) 
     })
 }
 
-/// Returns the derivative at 0 of samples at given places. If there is a kink beside 0, only samples on the side
-/// without the kink are used. At a kink the function is the minimum of two smooth functions and bends downwards, so the
+/// Returns the derivative at 0 of samples at given places. `scale` is the square of the length of a step, `bend` the
+/// change of second differences that a smooth function may have besides, and `noise` the rounding of a sample. If there
+/// is a kink beside 0, only samples on the side without the kink are used. At a kink the function is the minimum of two smooth functions and bends downwards, so the
 /// side without the kink is the side with the larger second difference.
 pub(super) fn derivative_beside_kink(
     samples: Samples,
     places: Places,
     scale: f64,
+    bend: f64,
     noise: f64,
 ) -> Option<f64> {
-    let stencil = Stencil { samples, places, limit: SMOOTH * scale + 8.0 * noise };
+    let stencil = Stencil { samples, places, limit: SMOOTH * scale + bend + 8.0 * noise };
     stencil.central().or_else(|| {
         let [back, ahead] = [-1, 1].map(|side| stencil.bend(side));
         let side = if back > ahead || ahead.is_none() { -1 } else { 1 };
@@ -146,11 +158,11 @@ mod tests {
     #[test]
     fn cubics_have_exact_derivatives_from_both_sides_or_one() {
         let all = samples(cubic);
-        assert_abs_diff_eq!(derivative(all, 1.0, 0.0, 1.0).unwrap(), -20.0, epsilon = 1e-12);
+        assert_abs_diff_eq!(derivative(all, (1.0, 0.0), 0.0, 1.0).unwrap(), -20.0, epsilon = 1e-12);
         for (kept, toward) in [(0..4, 1.0), (0..4, -1.0), (3..7, 1.0), (3..7, -1.0)] {
             let mut some = [None; 7];
             some[kept.clone()].copy_from_slice(&all[kept]);
-            let found = derivative(some, 1.0, 0.0, toward).unwrap();
+            let found = derivative(some, (1.0, 0.0), 0.0, toward).unwrap();
             assert_abs_diff_eq!(found, -20.0, epsilon = 1e-12);
         }
     }
@@ -162,7 +174,7 @@ mod tests {
         for kept in [0..7, 0..4, 3..7, 1..6] {
             let mut some = [None; 7];
             some[kept.clone()].copy_from_slice(&all[kept.clone()]);
-            let found = derivative_beside_kink(some, places, 1.0, 0.0).unwrap();
+            let found = derivative_beside_kink(some, places, 1.0, 0.0, 0.0).unwrap();
             assert_abs_diff_eq!(found, -20.0, epsilon = 1e-12);
         }
     }
@@ -173,9 +185,10 @@ mod tests {
         for kink in [-2.5, -1.5, -0.75, 0.75, 1.5, 2.5] {
             let meet = samples(|x| (x + 20.0f64).min(20.0 + 2.0 * kink - x).powi(2));
             let (toward, exact) = if kink > 0.0 { (-1.0, 40.0) } else { (1.0, -40.0 - 4.0 * kink) };
-            for found in
-                [derivative(meet, 1.0, 0.0, toward), derivative_beside_kink(meet, EVEN, 1.0, 0.0)]
-            {
+            for found in [
+                derivative(meet, (1.0, 0.0), 0.0, toward),
+                derivative_beside_kink(meet, EVEN, 1.0, 0.0, 0.0),
+            ] {
                 assert_abs_diff_eq!(found.unwrap(), exact, epsilon = 1e-9);
             }
         }
@@ -184,9 +197,9 @@ mod tests {
     #[test]
     fn there_is_no_derivative_between_kinks_or_without_samples() {
         let between = samples(|x| (10.0 - x.abs()).powi(2) - if x == 0.0 { 9.0 } else { 0.0 });
-        assert_eq!(derivative(between, 1.0, 0.0, 1.0), None);
+        assert_eq!(derivative(between, (1.0, 0.0), 0.0, 1.0), None);
         assert_eq!(
-            derivative([None, None, Some(1.0), Some(2.0), None, None, None], 1.0, 0.0, 1.0),
+            derivative([None, None, Some(1.0), Some(2.0), None, None, None], (1.0, 0.0), 0.0, 1.0),
             None
         );
     }

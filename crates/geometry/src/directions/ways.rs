@@ -11,7 +11,7 @@
 
 use std::collections::HashMap;
 
-use glam::{DMat3, DVec2, DVec3, Vec2};
+use glam::{DMat2, DMat3, DVec2, DVec3, Vec2};
 use rayon::prelude::*;
 
 use super::frame::{Frame, position};
@@ -19,7 +19,7 @@ use super::stencil::{SIDE, Samples, derivative};
 use crate::copies::Copies;
 use crate::order::by_arrival;
 use crate::paths::{FirstLine, LineEnd, PathTracer};
-use geosweep_surface::{Direction, Real, Sources, Surface};
+use geosweep_surface::{Direction, Real, Sources, Surface, reduced_basis};
 
 /// The back direction of one grid point.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -144,11 +144,12 @@ impl Ways<'_> {
     fn lines(&self, point: usize, zero_time: f64) -> impl Iterator<Item = (DVec3, Option<f64>)> {
         let tangents = self.frame(point).tangents.unwrap_or_default();
         let slowness = self.slowness(point);
-        let noise = self.noise(point, zero_time);
+        let (noise, since) = (self.noise(point, zero_time), self.time(point) - zero_time);
         [Direction::South, Direction::East].into_iter().zip(tangents).filter_map(
             move |(to, line)| {
                 let square = line.length_squared() * slowness * slowness;
-                let slope = derivative(self.samples(point, to, zero_time), square, noise, 1.0);
+                let samples = self.samples(point, to.vector(), zero_time);
+                let slope = derivative(samples, (square, since), noise, 1.0);
                 (square > 0.0).then_some((line, slope))
             },
         )
@@ -295,27 +296,30 @@ impl Ways<'_> {
         let frame = self.frame(point);
         let (slowness, noise) = (self.slowness(point), self.noise(point, zero_time));
         let since = self.time(point) - zero_time;
-        let along = |to: Direction, square: f64, toward: f64| {
-            let samples = self.samples(point, to, zero_time);
-            derivative(samples, square * slowness * slowness, noise, toward)
+        // In sheared cells, the nearest points lie along other steps than rows and columns.
+        let [a, b] = reduced_basis(frame.metric);
+        let steps = DMat2::from_cols(a, b);
+        let toward = steps.inverse() * line;
+        let along = |step: DVec2, toward: f64| {
+            let samples = self.samples(point, step, zero_time);
+            let square = step.dot(frame.metric * step);
+            derivative(samples, (square * slowness * slowness, since), noise, toward)
         };
-        let gradient = DVec2::new(
-            along(Direction::South, frame.metric.x_axis.x, line.x)?,
-            along(Direction::East, frame.metric.y_axis.y, line.y)?,
-        );
+        let slopes = DVec2::new(along(a, toward.x)?, along(b, toward.y)?);
+        let gradient = steps.transpose().inverse() * slopes;
         let step = -(frame.metric.inverse() * gradient);
         let length = frame.length(step) / (2.0 * since * slowness);
         let fits = (length - 1.0).abs() < OFF_LENGTH && frame.cosine(step, line) > ALIKE;
         fits.then_some(step / step.length())
     }
 
-    /// Returns the squared times since `zero_time` along a grid line, up to the first point that is not reached. The
-    /// line goes on over seams where the grid does.
-    fn samples(&self, point: usize, to: Direction, zero_time: f64) -> Samples {
+    /// Returns the squared times since `zero_time` at points that follow one another by a step of rows and columns, up to
+    /// the first point that is not reached. The line of points goes on over seams where the grid does.
+    fn samples(&self, point: usize, step: DVec2, zero_time: f64) -> Samples {
         let (chart, mut samples) = (self.surface.chart(), Samples::default());
         let (row, col) = chart.bordered_position(point);
         let along = |k: isize| {
-            let (down, right) = to.step();
+            let (down, right) = (step.x as isize, step.y as isize);
             let (row, col) =
                 self.surface.continued(row as isize + k * down, col as isize + k * right)?;
             Some(chart.bordered(row, col)).filter(|&at| self.is_reached(at))

@@ -4,7 +4,7 @@
 //! two steps and their shorter sum or difference. Splitting an obtuse triangle leads to them. So the reduced basis
 //! of the metric in a triangle tells beforehand how far the search for its splits has to go.
 
-use glam::DVec2;
+use glam::{DMat2, DVec2};
 
 use crate::constants::{FARTHEST_SPLIT, OBTUSE, SPLIT_REACH};
 use crate::real::{Real, max, min};
@@ -41,10 +41,21 @@ fn reduced(steps: [DVec2; 2], squares: [f64; 3]) -> [DVec2; 3] {
     [short, long, third]
 }
 
+/// Returns the reduced basis of the grid in a metric: the shortest step of rows and columns, and the shortest one in
+/// another direction.
+pub fn reduced_basis(metric: DMat2) -> [DVec2; 2] {
+    let steps = [DVec2::X, DVec2::Y];
+    let square = |step: DVec2| step.dot(metric * step);
+    let squares = [square(steps[0]), square(steps[1]), square(steps[0] - steps[1])];
+    let [short, long, _] = reduced(steps, squares);
+    [short, long]
+}
+
 /// Returns the largest distance, in rows and columns, of the points that split a triangle at x0, if the metric around it
 /// is that of the triangle. Returns 1 if the triangle is not obtuse: if the squares of the sides at x0 add up to more
-/// than `limit` times that of the base. `steps` and `squares` are those of [`reduced`].
-pub(crate) fn splits_within<R: Real>(steps: [DVec2; 2], squares: [R; 3], limit: f64) -> usize {
+/// than `limit` times that of the base. `steps` are two steps in rows and columns, and `squares` the squared lengths of
+/// the first, of the second and of their difference.
+pub fn splits_within<R: Real>(steps: [DVec2; 2], squares: [R; 3], limit: f64) -> usize {
     let [a, b, base] = squares;
     let is_there = max(a, max(b, base)) < R::FAR * R::FAR;
     if !is_there || a + b >= R::of(limit) * base {
