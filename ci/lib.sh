@@ -1,5 +1,5 @@
 # shellcheck shell=bash
-# Shared parts of ci/setup, ci/test, ci/python and ci/demo. Sourced from the checkout's root, under `set -euo pipefail`.
+# Shared parts of the commands in ci/. Sourced from the checkout's root, under `set -euo pipefail`.
 
 say() { printf '%s: %s\n' "ci/${0##*/}" "$*"; }
 die() {
@@ -60,16 +60,28 @@ need() {
 
 have_environments() { "${PYTHON:-python3}" -c 'import ensurepip, venv' 2>/dev/null; }
 
-# list_missing [for_tests|for_python]
+# list_missing [for_tests|for_python|for_windows|for_cmake|for_programs]
 list_missing() {
     missing=()
     need "certificates, for cargo's downloads" ca-certificates test -e /etc/ssl/certs/ca-certificates.crt
     need "C++ compiler, linker and library" g++ command -v c++ >/dev/null
-    if [[ -n ${1-} ]]; then
+    if [[ ${1-} == for_tests || ${1-} == for_python ]]; then
         need "Python, for the package in python/" python3 command -v "${PYTHON:-python3}" >/dev/null
         need "virtual environments, for the same" python3-venv have_environments
     fi
-    [[ ${1-} != for_python ]] || return 0
+    if [[ ${1-} == for_windows ]]; then
+        need "C compiler that links for Windows" gcc-mingw-w64-x86-64 command -v x86_64-w64-mingw32-gcc >/dev/null
+        need "the same for C++" g++-mingw-w64-x86-64 command -v x86_64-w64-mingw32-g++ >/dev/null
+    fi
+    if [[ ${1-} == for_cmake || ${1-} == for_programs ]]; then
+        need "CMake, for the library for C" cmake command -v cmake >/dev/null
+        need "make, by which CMake builds" make command -v make >/dev/null
+    fi
+    if [[ ${1-} == for_programs ]]; then
+        need "pkg-config, for programs in C" pkg-config command -v pkg-config >/dev/null
+        need "Vulkan's headers, for the same" libvulkan-dev test -e /usr/include/vulkan/vulkan_core.h
+    fi
+    case ${1-} in for_python | for_windows | for_cmake | for_programs) return 0 ;; esac
     if [[ -z ${SHADERC_LIB_DIR-} ]]; then
         need "GLSL compiler for build.rs" libshaderc-dev have_archive shaderc_combined
         need "a part of it that it is packaged without" glslang-dev have_archive glslang
@@ -95,7 +107,7 @@ list_missing() {
     fi
 }
 
-# install_missing [for_tests|for_python]
+# install_missing [for_tests|for_python|for_windows|for_cmake|for_programs]
 install_missing() {
     local -a missing packages=() as_root=()
     local entry name names
@@ -252,4 +264,64 @@ test_binaries() {
     cargo "${arguments[@]}" --message-format json 2>/dev/null |
         sed -n 's/.*"kind":\["\([a-z]*\)[^]]*\].*"name":"\([a-z]*\)".*"executable":"\([^"]*\)".*/\1 \2 \3/p' |
         sed 's/^lib geosweep /lib /; s/^test //'
+}
+
+# ------------------------------------------------------------ releases
+
+# Platforms of binaries: the Rust target, and the target of zig's C compiler with the oldest glibc on which the
+# binaries run. Windows is linked by mingw-w64.
+declare -A rust_target=(
+    [linux-x86_64]=x86_64-unknown-linux-gnu
+    [linux-aarch64]=aarch64-unknown-linux-gnu
+    [musl-x86_64]=x86_64-unknown-linux-musl
+    [musl-aarch64]=aarch64-unknown-linux-musl
+    [windows-x86_64]=x86_64-pc-windows-gnu
+)
+oldest_glibc=2.28
+
+# The version of the packages, from Cargo.toml.
+release_version() { sed -n '/^\[workspace.package\]/,/^\[d/s/^version = "\(.*\)"$/\1/p' Cargo.toml; }
+
+# Prints the number'th (1) fenced block of a language in a page of Markdown.
+block() { # FILE LANGUAGE [NUMBER]
+    awk -v fence="\`\`\`$2" -v wanted="${3:-1}" '
+        $0 == fence && ++count == wanted { inside = 1; next }
+        inside && /^```/ { exit }
+        inside { print }' "$1"
+}
+
+# release_tools PLATFORM...: installs what building for these platforms needs, and says what: maturin, zig and
+# cargo-zigbuild from PyPI in a virtual environment below the target folder, targets of Rust, mingw-w64.
+release_tools() {
+    local platform target
+    tools=${CARGO_TARGET_DIR:-$PWD/target}/release-tools
+    install_missing for_python
+    [[ -x $tools/bin/maturin && -x $tools/bin/cargo-zigbuild ]] || {
+        say "maturin, cargo-zigbuild and ziglang from PyPI go into $tools"
+        step "${PYTHON:-python3}" -m venv "$tools"
+        step "$tools/bin/pip" install -q -c python/checks.txt maturin cargo-zigbuild ziglang
+    }
+    export PATH=$tools/bin:$PATH
+    for platform; do
+        [[ $platform != native ]] || continue
+        target=${rust_target[$platform]-}
+        [[ -n $target ]] || die "unknown platform $platform; these are known: native ${!rust_target[*]}"
+        [[ -d $(rustc --print target-libdir --target "$target" 2>/dev/null) ]] || step rustup target add "$target"
+        [[ $platform != windows-* ]] || install_missing for_windows
+    done
+}
+
+# linker PLATFORM: prints the C compiler that links for a platform.
+linker() {
+    local path=$tools/cc-$1 target=${rust_target[$1]}
+    case $1 in
+    windows-x86_64) path=x86_64-w64-mingw32-gcc ;;
+    *)
+        target=${target/-unknown/}
+        [[ $1 == musl-* ]] || target+=.$oldest_glibc
+        printf '#!/bin/sh\nexec %q zig cc -- -target %s "$@"\n' "$tools/bin/cargo-zigbuild" "$target" >"$path"
+        chmod +x "$path"
+        ;;
+    esac
+    printf '%s' "$path"
 }

@@ -16,8 +16,8 @@ mod surface;
 mod work;
 
 use geosweep::glam::DVec2;
-use geosweep::io::{CoordinateSystem, Georeference, MapScale, SystemUnits};
 use geosweep::surface::{Chart, Source};
+use geosweep_crs::{CoordinateSystem, Georeference, MapScale, SystemUnits};
 use numpy::{PyArray2, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 

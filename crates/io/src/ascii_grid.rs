@@ -2,12 +2,12 @@
 
 use std::collections::HashMap;
 
-use super::c_number::c_number;
 use super::file_spacing::{FileSpacing, LinearUnit};
 use super::limits::{check_memory, checked_points};
 use super::no_data::{Held, means_no_data};
-use super::projection_file::{Projection, ProjectionFile};
 use super::{Georeference, Grid};
+use geosweep_crs::c_number::c_number;
+use geosweep_crs::projection_file::{Projection, ProjectionFile};
 use geosweep_surface::{Ellipsoid, Spacing};
 
 /// A grid of values. Values are NaN where the file has no data.

@@ -81,7 +81,8 @@ impl OutputFile {
     pub fn is_same(&self, other: &Self) -> bool {
         let place = |output: &Self| {
             let folder = fs::canonicalize(output.folder()).ok();
-            (folder, output.target.file_name().map(ToOwned::to_owned))
+            let name = output.target.file_name().map(|name| name.to_string_lossy().into_owned());
+            (folder, if IGNORES_CASE { name.map(|name| name.to_lowercase()) } else { name })
         };
         place(self) == place(other)
     }
@@ -121,6 +122,9 @@ impl OutputFile {
     }
 }
 
+/// Whether the usual file systems take `map.npy` and `Map.npy` for the same file.
+const IGNORES_CASE: bool = cfg!(any(windows, target_vendor = "apple"));
+
 /// Maximum number of links to follow. More links count as a cycle. Linux has the same limit.
 const MOST_LINKS: usize = 40;
 
@@ -149,7 +153,53 @@ impl StagedFile {
         let Self { file, output } = self;
         file.persist(&output.target)
             .map(drop)
-            .map_err(|failure| IoError::write(&output.path, failure.error))
+            .map_err(|failure| IoError::write(&output.path, explained(&failure.error)))
+    }
+}
+
+/// Adds to an error of the system what it stands for on Windows, where a file that a program has open cannot be
+/// replaced.
+fn explained(error: &io::Error) -> String {
+    /// `ERROR_ACCESS_DENIED`, `ERROR_SHARING_VIOLATION`, `ERROR_LOCK_VIOLATION`.
+    const IN_USE: [i32; 3] = [5, 32, 33];
+    let in_use = cfg!(windows) && error.raw_os_error().is_some_and(|code| IN_USE.contains(&code));
+    let cure = if in_use { "; if another program has the file open, close it there" } else { "" };
+    format!("{error}{cure}")
+}
+
+#[cfg(test)]
+mod portable_tests {
+    use super::*;
+
+    #[test]
+    fn names_of_one_file_are_the_same_output() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| OutputFile::new(&folder.path().join(name)).unwrap();
+        assert!(at("map.npy").is_same(&at("./map.npy")));
+        assert!(!at("map.npy").is_same(&at("other.npy")));
+        assert_eq!(at("map.npy").is_same(&at("Map.NPY")), IGNORES_CASE);
+    }
+
+    /// A file that is open elsewhere is replaced or refused by name, and never half-written.
+    #[test]
+    fn a_file_that_is_open_is_replaced_or_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("K\u{e4}rtchen \u{5730}\u{56fe}.npy");
+        fs::write(&path, b"old").unwrap();
+        let open = File::open(&path).unwrap();
+        let output = OutputFile::new(&path).unwrap();
+        let staged = output.stage(|writer| writer.write_all(b"new")).unwrap();
+        let written = staged.commit();
+        drop(open);
+        let content = fs::read(&path).unwrap();
+        match written {
+            Ok(()) => assert_eq!(content, b"new"),
+            Err(error) => {
+                assert!(cfg!(windows) && error.to_string().contains("close it there"), "{error}");
+                assert_eq!(content, b"old");
+            }
+        }
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "a part is left behind");
     }
 }
 

@@ -12,56 +12,46 @@
 mod arrays;
 mod ascii_grid;
 mod atomic;
-mod c_number;
 mod curves;
-mod ellipsoids;
 mod error;
 mod exr;
 mod file_spacing;
-mod georeference;
 mod grid;
 mod limits;
 mod map_file;
-mod map_scale;
 mod matrix_file;
 mod no_data;
 mod npy;
 mod npz;
-mod orientation;
 mod places;
 mod ply;
 mod png;
-mod projection_file;
 mod raster;
 mod sidecars;
 mod sparse_file;
 mod surface_file;
-mod system_units;
 mod tiff;
 
 pub use arrays::{read_mask, read_metric, read_slowness};
 pub use atomic::{OutputFile, StagedFile};
 pub use curves::{Attribute, CurveFormat, Drawing, Polyline};
 pub use error::IoError;
-pub use georeference::{CoordinateSystem, Georeference};
+pub use geosweep_crs::{CoordinateSystem, Georeference, MapScale, Orientation, SystemUnits};
 pub use grid::Grid;
 pub use limits::{MAX_POINTS, checked_points};
 pub use map_file::{
     MapFormat, MapValue, MapValues, read_map, write_bearings_tiff, write_labels_tiff,
     write_vectors_tiff,
 };
-pub use map_scale::MapScale;
 pub use matrix_file::{
     Element, MatrixFile, MatrixLayout, Provenance, SquareMatrix, is_distance_matrix, read_matrix,
     surface_checksum,
 };
 pub use npy::write_npy;
-pub use orientation::Orientation;
 pub use places::{GridFrame, Misplaced, PlaceFile, PlacedCurve, PlacedPoint, misplaced};
 pub use ply::write_ply;
 pub use sparse_file::write_sparse_npz;
 pub use surface_file::SurfaceFile;
-pub use system_units::SystemUnits;
 pub use tiff::GeoTags;
 
 use std::fs;

@@ -2,13 +2,14 @@
 
 use std::path::Path;
 
-use super::c_number::c_number;
 use super::file_spacing::FileSpacing;
 use super::sidecars::{Auxiliary, world_file};
 use super::tiff::{self, Beside, Location, Raster, Role};
 use super::{
     GeoTags, Grid, IoError, ascii_grid, extension, png, read_beside, read_bytes, with_suffix,
 };
+use geosweep_crs::c_number::c_number;
+use geosweep_crs::units::metres_of_text;
 
 /// Reads numbers. They are NaN where the file has no data.
 pub(super) fn read_values(path: &Path) -> Result<Raster, IoError> {
@@ -96,10 +97,7 @@ fn ascii_grid(
         ascii_grid::decode(bytes, projection.as_deref())?;
     let (scale, offset) = (auxiliary.scale.unwrap_or(1.0), auxiliary.offset.unwrap_or(0.0));
     let grid = grid.map(|value| value * scale + offset);
-    let (spacing, metres) = match auxiliary
-        .unit
-        .as_deref()
-        .map(|unit| (unit, tiff::metres_of_unit_text(unit)))
+    let (spacing, metres) = match auxiliary.unit.as_deref().map(|unit| (unit, metres_of_text(unit)))
     {
         None | Some((_, Some(1.0))) => (spacing, Ok(metres)),
         Some((unit, length)) => {

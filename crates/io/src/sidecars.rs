@@ -4,8 +4,8 @@ use std::path::Path;
 
 use roxmltree::{Document, Node};
 
-use super::c_number::c_number;
 use super::{CoordinateSystem, Georeference, IoError, extension, read_beside, with_suffix};
+use geosweep_crs::c_number::c_number;
 
 /// The metadata of a file `FILE.aux.xml`, which replace those in the raster itself.
 #[derive(Clone, Debug, Default, PartialEq)]

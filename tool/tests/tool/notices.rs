@@ -13,8 +13,12 @@ use serde_json::Value;
 
 const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
 const FILE: &str = "THIRD-PARTY.txt";
-const PLATFORMS: [&str; 3] =
-    ["x86_64-unknown-linux-gnu", "x86_64-pc-windows-msvc", "aarch64-apple-darwin"];
+const PLATFORMS: [&str; 4] = [
+    "x86_64-unknown-linux-gnu",
+    "x86_64-pc-windows-gnu",
+    "x86_64-pc-windows-msvc",
+    "aarch64-apple-darwin",
+];
 
 /// A package that some binary contains.
 struct Package {
@@ -55,10 +59,11 @@ fn all_packages(platform: &str) -> Vec<Package> {
     packages.filter(|package| built.contains(&&package["id"])).map(package).collect()
 }
 
-/// Returns the packages in the tool and in the library for C, for a platform. Packages that only run during
-/// the build are not contained in them.
+/// Returns the packages in the tool, in the library for C and in the package for Python, for a platform. Packages that
+/// only run during the build are not contained in them.
 fn packages(platform: &str) -> Vec<Package> {
-    let ours = ["tree", "-p", "geosweep", "-p", "geosweep-cli", "--all-features"];
+    let binaries = ["-p", "geosweep-cli", "-p", "geosweep-capi", "-p", "geosweep-python"];
+    let ours = [&["tree", "-p", "geosweep", "--all-features"][..], &binaries].concat();
     let edges = ["--edges", "normal,no-proc-macro"];
     let looks = ["--prefix", "none", "--format", "{p}|", "--target", platform];
     let contained = cargo(&[&ours[..], &edges, &looks].concat()).replace(" v", " ");
@@ -140,9 +145,9 @@ fn line(package: &Package, licence: &str) -> String {
 fn notices(packages: &[Package], allowed: &[String]) -> String {
     let mut text = String::from(
         "Notices of third parties\n\n\
-         The tool geosweep, and the library for C, contain the packages of this list on some platform or other,\n\
-         and the standard library of Rust (https://rust-lang.org), which is under MIT or Apache-2.0. The right\n\
-         column says under which licence. Apache's is at the end; before it are the others, and notices.\n\n",
+         The tool geosweep, the library for C and the package for Python contain packages of this list, and the\n\
+         standard library of Rust (https://rust-lang.org), which is under MIT or Apache-2.0. The right column\n\
+         says under which licence. Apache's is at the end; before it are the others, and notices.\n\n",
     );
     let mut texts: BTreeMap<String, Vec<&str>> = BTreeMap::new();
     for package in packages {

@@ -5,9 +5,9 @@ use roxmltree::Document;
 
 use super::directory::Directory;
 use super::layout::Sample;
-use crate::c_number::c_number;
 use crate::no_data::{Held, means_no_data};
 use crate::sidecars::Auxiliary;
+use geosweep_crs::c_number::c_number;
 
 const GDAL_METADATA: Tag = Tag::Unknown(42112);
 

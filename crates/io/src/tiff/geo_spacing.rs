@@ -2,8 +2,8 @@
 //! of its heights.
 
 use super::geo_tags::{GeoTags, geo_key};
-use super::{epsg_units, units};
 use crate::file_spacing::{FileSpacing, LinearUnit};
+use geosweep_crs::{epsg_units, units};
 use geosweep_surface::Spacing;
 
 impl GeoTags {

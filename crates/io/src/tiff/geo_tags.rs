@@ -9,8 +9,8 @@ use ::tiff::tags::{Tag, Type};
 
 use super::directory::Directory;
 use super::{Beside, Location};
-use crate::ellipsoids::{self, not_degrees};
 use crate::{CoordinateSystem, Georeference};
+use geosweep_crs::ellipsoids::{self, not_degrees};
 use geosweep_surface::Ellipsoid;
 
 /// Keys of the GeoKeyDirectory, and some of their values.

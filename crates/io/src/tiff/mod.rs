@@ -7,12 +7,10 @@ mod band;
 mod compression;
 mod cure;
 mod directory;
-mod epsg_units;
 mod gdal;
 mod geo_spacing;
 mod geo_tags;
 mod layout;
-mod units;
 mod write;
 
 use std::path::Path;
@@ -22,11 +20,9 @@ use ::tiff::tags::{PhotometricInterpretation, Tag};
 use band::read_band;
 use cure::Cure;
 use directory::{Directory, File};
-pub(super) use epsg_units::projected as projected_unit;
 use gdal::Metadata;
 pub use geo_tags::GeoTags;
 use layout::Layout;
-pub(super) use units::{metres as metres_of_unit, metres_of_text as metres_of_unit_text};
 pub(super) use write::{Pair32Float, encode};
 
 use super::file_spacing::FileSpacing;
