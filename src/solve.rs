@@ -150,11 +150,11 @@ fn only_single(what: &str) -> Error {
 /// Returns the peak number of values per grid point in memory, including edges and result. In single precision these
 /// are 40 bytes (`tests/memory/resident.rs`) and the 4 bytes of the result. Fronts that carry their ray take another 8
 /// bytes, and the fans of points 20. Over an uneven slowness, fronts, slowness and curvature have values of their own,
-/// and points in the order of time another four lengths and their places in the queue.
+/// and points in the order of time another four lengths, the times of final fronts and their places in the queue.
 fn numbers_of_point(surface: &Surface, wavefront: Wavefront) -> usize {
     match wavefront {
         Wavefront::Rays => 18,
-        _ if surface.is_slowed_unevenly() => 16,
+        _ if surface.is_slowed_unevenly() => 17,
         _ => 11,
     }
 }

@@ -8,9 +8,9 @@ use rayon::prelude::*;
 use super::arc::EdgeRule;
 use super::chart::{Direction, EdgeSlot, ring};
 use super::edges::EdgeLengths;
-use super::jump::jumps;
 use super::kept;
 use super::real::{Real, max, min};
+use super::slowed_curvature::SlowedCurvature;
 use super::tag::Tagged;
 use crate::constants::{DEFECT_NOISE, LARGEST_DEFECT, REFLEX};
 use crate::lanes::{Instructions, Loop};
@@ -67,15 +67,11 @@ fn gaussian_curvature<R: Real>(edges: &EdgeLengths<R>) -> Vec<R> {
             }
         }
     }
-    if let Some(slowness) = edges.slowness() {
-        chart.rows_mut(&mut fans).enumerate().for_each(|(row, line)| {
-            let first = chart.bordered(row, 0);
-            for (point, curvature) in (first..).zip(line) {
-                if *curvature < R::FAR {
-                    *curvature = slowed(edges, slowness, point, *curvature).with_tag(0);
-                }
-            }
-        });
+    if is_slowed {
+        chart
+            .rows_mut(&mut fans)
+            .enumerate()
+            .for_each(|(row, line)| Instructions::best().run(SlowedCurvature { edges, row, line }));
     }
     let mut curvature = vec![R::zero().with_tag(LACKING); chart.bordered_points()];
     chart.rows_mut(&mut curvature).enumerate().for_each(|(row, line)| {
@@ -210,64 +206,6 @@ impl<R: Real> Loop for SlowedFans<'_, R> {
 #[inline(always)]
 fn on_surface<R: Real>(length: R, [from, to]: [R; 2]) -> R {
     if length < R::FAR { (length + length) / (from + to) } else { length }
-}
-
-/// Returns the Gaussian curvature of the metric that a slowness s gives to a surface of curvature K: (K - L) / s^2,
-/// where L is the Laplacian of the logarithm of s. Where s jumps, L is meaningless and left out.
-///
-/// L is the flux of the gradient out of the point's own quarter of the fan, through the four sides towards
-/// the neighbours along rows and columns. The flux through a side follows from the difference of the logarithms at the
-/// point and the neighbour, from their difference along the side, and from the metric that the lengths of the edges
-/// around define. Second differences alone would treat grid lines that bend on the surface as straight.
-fn slowed<R: Real>(edges: &EdgeLengths<R>, slowness: &[R], point: usize, gaussian: R) -> R {
-    let chart = edges.chart();
-    let own = slowness[point];
-    let per_square = (own * own).recip();
-    let around = Direction::ALL.map(|to| chart.beside(point, to));
-    if jumps(own) {
-        return gaussian * per_square;
-    }
-    let rise = around.map(|at| (slowness[at] / own).ln());
-    let squared = |from: usize, to: Direction| {
-        let length = edges.at(from, EdgeSlot::of(chart, to));
-        let length = on_surface(length, [slowness[from], slowness[chart.beside(from, to)]]);
-        length * length
-    };
-    let (quarter, half) = (R::of(0.25), R::of(0.5));
-    let mut flow = R::zero();
-    for to in [Direction::East, Direction::North, Direction::West, Direction::South] {
-        // `there` is the neighbour. `at_left` and `at_right` are the neighbours to its left and right as seen
-        // from the point.
-        let (left, right) = (to.next().next(), to.previous().previous());
-        let there = around[to as usize];
-        let (at_left, at_right) = (around[left as usize], around[right as usize]);
-        let across = squared(point, to);
-        let along = (squared(there, left)
-            + squared(there, right)
-            + squared(point, left)
-            + squared(point, right))
-            * quarter;
-        let skew = ((squared(point, to.next()) - squared(there, left.next()))
-            + (squared(there, right.previous()) - squared(point, to.previous())))
-            * R::of(0.125);
-        debug_assert_eq!(chart.beside(there, left.next()), at_left);
-        debug_assert_eq!(chart.beside(there, right.previous()), at_right);
-        let area = max(across * along - skew * skew, R::min_positive_value()).sqrt();
-        let ahead = rise[to as usize];
-        let beside = |to: Direction| rise[to as usize];
-        let rises_along =
-            quarter * (beside(to.next()) - beside(to.previous()) + beside(left) - beside(right));
-        flow = flow + (along * ahead - skew * rises_along) / area;
-    }
-    let area = Direction::ALL.iter().fold(R::zero(), |sum, &to| {
-        let (first, second) = (squared(point, to), squared(point, to.next()));
-        let base = squared(around[to as usize], to.base());
-        let inner = half * (first + second - base);
-        sum + half * max(first * second - inner * inner, R::zero()).sqrt()
-    });
-    let laplacian = flow / (quarter * area);
-    let curvature = (gaussian - laplacian) * per_square;
-    if curvature.is_finite() { curvature } else { gaussian * per_square }
 }
 
 /// Returns the angle defect of a fan divided by its share of the fan's area. `bases` are the edges between

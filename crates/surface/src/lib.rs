@@ -43,6 +43,7 @@ mod seams;
 #[doc(hidden)]
 pub mod shown;
 mod skewed_cells;
+mod slowed_curvature;
 mod slowness;
 mod sources;
 mod stop;

@@ -179,6 +179,10 @@ pub(crate) trait TriangleKind<R: Real>:
         triangles.one_by_one(self, arrivals);
     }
 
+    /// Prefetches the data of the surface at three points and at those beside them.
+    #[inline(always)]
+    fn prefetch(&self, _points: [usize; 3]) {}
+
     /// Returns whether a triangle is obtuse at x0.
     fn is_obtuse(&self, _corners: [usize; 3], triangle: Triangle<R>) -> bool {
         triangle.is_obtuse()

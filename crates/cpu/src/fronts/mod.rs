@@ -28,7 +28,7 @@ pub(super) use curved::Curved;
 pub(super) use kind::{FrontKind, Fronts, PointKind, TriangleFronts, TriangleKind};
 pub(super) use lanes::LaneKind;
 pub(super) use planar::Planar;
-pub(super) use pulled::{BATCH, MOST, Pulled};
+pub(super) use pulled::{BATCH, MOST, Pulled, prefetch_rows};
 pub(super) use rays::Rays;
 pub(super) use slowed_curved::SlowedCurved;
 pub(super) use slowed_planar::SlowedPlanar;

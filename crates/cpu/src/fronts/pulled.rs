@@ -3,6 +3,7 @@
 use super::kind::TriangleKind;
 use crate::lines::span::TILE;
 use geosweep_surface::Real;
+use geosweep_surface::lanes::prefetch;
 use geosweep_surface::update::{Carried, Triangle};
 
 /// Number of points whose fronts are computed together. That hides the latency of memory and of divisions.
@@ -122,6 +123,14 @@ impl<R: Real, C> Lanes<'_, R, C> {
             l2: self.lengths[1][k],
             c: self.lengths[2][k],
         }
+    }
+}
+
+/// Prefetches the entries of a bordered array at three points.
+#[inline(always)]
+pub(crate) fn prefetch_rows<T>(array: &[T], points: [usize; 3]) {
+    for point in points {
+        prefetch(array, point as isize);
     }
 }
 

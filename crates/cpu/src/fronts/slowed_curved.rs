@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::curved::{Accepted, FirstFronts, accept_all};
 use super::kind::{FrontKind, TriangleKind, Triangular};
 use super::lanes::LaneKind;
-use super::pulled::{MOST, Pulled};
+use super::pulled::{MOST, Pulled, prefetch_rows};
 use super::slowed::Seen;
 use super::surface_array::SurfaceArray;
 use crate::lines::line::ScanLine;
@@ -165,6 +165,12 @@ impl<R: Real> TriangleKind<R> for SlowedCurved<R> {
                 *arrival = first.get(k);
             }
         }
+    }
+
+    #[inline(always)]
+    fn prefetch(&self, points: [usize; 3]) {
+        prefetch_rows(&self.slowness, points);
+        prefetch_rows(&self.gaussian, points);
     }
 
     fn is_obtuse(&self, corners: [usize; 3], triangle: Triangle<R>) -> bool {

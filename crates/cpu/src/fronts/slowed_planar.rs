@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::kind::{FrontKind, TriangleKind, Triangular};
 use super::lanes::LaneKind;
-use super::pulled::{MOST, Pulled};
+use super::pulled::{MOST, Pulled, prefetch_rows};
 use super::slowed::Seen;
 use super::surface_array::SurfaceArray;
 use crate::lines::line::ScanLine;
@@ -122,6 +122,11 @@ impl<R: Real> TriangleKind<R> for SlowedPlanar<R> {
             };
             arrivals[start..start + TILE].copy_from_slice(&times);
         }
+    }
+
+    #[inline(always)]
+    fn prefetch(&self, points: [usize; 3]) {
+        prefetch_rows(&self.slowness, points);
     }
 
     fn is_obtuse(&self, corners: [usize; 3], triangle: Triangle<R>) -> bool {

@@ -66,9 +66,8 @@ impl<R: Real, K: TriangleKind<R>> BucketScanner<R, K> {
 
     #[inline(always)]
     fn add_behind(&self, point: usize, lanes: &mut Pulled<R, K::Carried>) {
-        let fronts = (self.fronts.times.as_slice(), self.fronts.carried.as_slice());
-        let states = (self.states.as_slice(), State::is_final);
-        self.neighbours.add_behind(&self.lengths, fronts, states, point, lanes);
+        let fronts = (self.fronts.settled.as_slice(), self.fronts.carried.as_slice());
+        self.neighbours.add_behind(&self.lengths, fronts, point, lanes);
     }
 
     /// Returns the earlier of a front at a point and the fronts through parts of its obtuse triangles.
@@ -82,7 +81,7 @@ impl<R: Real, K: TriangleKind<R>> BucketScanner<R, K> {
     /// Returns the front that reaches a point through a part of an obtuse triangle, or `None` if no front at its other
     /// corners is final.
     pub(super) fn through_part(&self, point: usize, part: SplitPart<R>) -> Option<K::Arrival> {
-        let is_final = part.corners.map(|corner| self.states[corner].is_final());
+        let is_final = part.corners.map(|corner| self.fronts.is_final(corner));
         if is_final == [false, false] {
             return None;
         }
@@ -129,7 +128,8 @@ impl<R: Real, K: TriangleKind<R>> BucketScanner<R, K> {
     #[inline(always)]
     fn finish_one(&mut self, point: usize, front: StoredFront<R, K::Carried>) {
         self.fronts.set(point, front);
-        self.states[point].set(State::FINAL | State::COMPUTED);
+        self.fronts.settled[point] = front.time;
+        self.states[point].set(State::COMPUTED);
     }
 
     /// Lets a point wait again, since its front arrives later than the bucket in work or than the limit, or no longer.

@@ -21,7 +21,7 @@ use self::state::{State, StoredFronts, none, waiting};
 use super::prepared::Settings;
 use super::scans::Scans;
 use crate::Instructions;
-use crate::fronts::{BATCH, Fronts, MOST, Pulled, TriangleKind};
+use crate::fronts::{BATCH, Fronts, MOST, Pulled, TriangleKind, prefetch_rows};
 use crate::limit::Limit;
 use geosweep_surface::lanes::Loop;
 use geosweep_surface::update::StoredFront;
@@ -76,6 +76,7 @@ impl<R: Real, K: TriangleKind<R>> BucketScanner<R, K> {
             fronts: StoredFronts {
                 times: vec![R::FAR; points],
                 carried: vec![K::Carried::default(); points],
+                settled: vec![R::FAR; points],
             },
             states: vec![State::default(); points],
             queue: Buckets::new(width(edges)),
@@ -92,6 +93,7 @@ impl<R: Real, K: TriangleKind<R>> BucketScanner<R, K> {
         self.kind.forget();
         for &point in &self.reached {
             self.fronts.set(point as usize, none());
+            self.fronts.settled[point as usize] = R::FAR;
             self.states[point as usize] = State::default();
         }
         self.reached.clear();
@@ -139,11 +141,11 @@ impl<R: Real, K: TriangleKind<R>> BucketScanner<R, K> {
     /// Lets a point and its copies wait in the queue for a front that arrives at a time.
     fn wait(&mut self, point: usize, time: R) {
         if self.edges.copies().is_none() {
-            self.states[point].clear(State::FINAL);
+            self.fronts.settled[point] = R::FAR;
             self.states[point].set(State::WAITS);
         } else {
             self.each_copy(point, |solver, copy| {
-                solver.states[copy].clear(State::FINAL);
+                solver.fronts.settled[copy] = R::FAR;
                 solver.states[copy].set(State::WAITS);
             });
         }
@@ -187,11 +189,8 @@ impl<R: Real, K: TriangleKind<R>> BucketScanner<R, K> {
     /// Lowers the limit to the time of the targets, once their fronts are final.
     fn lower_limit(&mut self) {
         let (chart, before) = (self.edges.chart(), self.settings.limit.time());
-        let (times, states) = (&self.fronts.times, &self.states);
-        self.settings.limit.lower(|[row, col]| {
-            let point = chart.bordered(row, col);
-            if states[point].is_final() { times[point].wide() } else { geosweep_surface::FAR }
-        });
+        let settled = &self.fronts.settled;
+        self.settings.limit.lower(|[row, col]| settled[chart.bordered(row, col)].wide());
         if self.settings.limit.time() < before {
             self.requeue_waiting();
         }
@@ -216,7 +215,12 @@ impl<R: Real, K: TriangleKind<R>> BucketScanner<R, K> {
         while count < BATCH {
             let Some(point) = self.queue.take() else { break };
             if let Some(ahead) = self.queue.ahead(2 * BATCH) {
-                self.neighbours.prefetch(&self.lengths, &self.fronts.times, ahead as usize);
+                let rows = self.neighbours.rows_of(ahead as usize);
+                prefetch_rows(&self.lengths, rows);
+                prefetch_rows(&self.fronts.times, rows);
+                prefetch_rows(&self.fronts.settled, rows);
+                prefetch_rows(&self.fronts.carried, rows);
+                self.kind.prefetch(rows);
             }
             let point = point as usize;
             if self.states[point].is(State::WAITS) {
@@ -323,6 +327,7 @@ impl<R: Real, K: TriangleKind<R>> Scans<R> for BucketScanner<R, K> {
 
     fn bytes(&self) -> usize {
         size_of_val(self.fronts.times.as_slice())
+            + size_of_val(self.fronts.settled.as_slice())
             + size_of_val(self.fronts.carried.as_slice())
             + self.states.len()
             + size_of_val(self.lengths.as_slice())

@@ -1,9 +1,8 @@
 //! The eight neighbours of a point, and the triangles of the point with them.
 
 use crate::fronts::Pulled;
-use geosweep_surface::lanes::prefetch;
 use geosweep_surface::update::{Carried, Triangle};
-use geosweep_surface::{Chart, Direction, EdgeLengths, Offset, Real};
+use geosweep_surface::{Chart, Direction, EdgeLengths, Offset, Real, min};
 use rayon::prelude::*;
 
 /// The neighbours of points in a bordered array, in the order of [`Direction::ALL`].
@@ -49,14 +48,15 @@ fn is_alone<R: Real>(first: usize, triangle: Triangle<R>) -> bool {
     along_axis >= R::FAR
 }
 
-/// A neighbour that a point may pass its front on to.
+/// The neighbours of a point whose fronts are later than the point's, as bits in the order of [`Direction::ALL`].
 #[derive(Clone, Copy)]
 pub(super) struct Later<R> {
-    pub point: usize,
-    /// The number of the point among the neighbours of this one.
-    pub number: usize,
-    /// The time at which the front arrives there along the edge.
-    pub by_edge: R,
+    /// The times at which the point's front arrives along edges.
+    pub by_edges: [R; 8],
+    /// The neighbours that are not final and that the front reaches along an edge before the time that they wait for.
+    pub waiting: u32,
+    /// The neighbours that are final.
+    pub settled: u32,
 }
 
 impl Neighbours {
@@ -64,26 +64,23 @@ impl Neighbours {
         Self { to: Direction::ALL.map(|to| chart.offset(to)), stride: chart.stride() }
     }
 
-    /// Adds the triangles through which the first front may reach a point. `is_final` tells by a point's state whether the
-    /// front there counts. Of the two triangles beside the earliest edge, one counts even if its third corner does not.
+    /// Adds the triangles through which the first front may reach a point, given the times of the fronts that count. Of
+    /// the two triangles beside the earliest edge, one counts even if its third corner does not.
     #[inline(always)]
-    pub(super) fn add_behind<R: Real, C: Carried, S: Copy>(
+    pub(super) fn add_behind<R: Real, C: Carried>(
         &self,
         lengths: &[[R; 4]],
-        (times, carried): (&[R], &[C]),
-        (states, is_final): (&[S], impl Fn(S) -> bool),
+        (settled, carried): (&[R], &[C]),
         point: usize,
         lanes: &mut Pulled<R, C>,
     ) {
-        let (mut around, states) = (self.around(times, point), self.around(states, point));
+        let around = self.around(settled, point);
         let Around { edges, bases } = self.lengths(lengths, point);
         let mut by_edges = [R::FAR; 8];
-        let mut first = R::FAR;
         for k in 0..8 {
-            around[k] = if is_final(states[k]) { around[k] } else { R::FAR };
             by_edges[k] = around[k] + edges[k];
-            first = if by_edges[k] < first { by_edges[k] } else { first };
         }
+        let first = least(by_edges);
         if first >= R::FAR {
             return;
         }
@@ -98,11 +95,9 @@ impl Neighbours {
         }
         let next = |bits: u32| (bits >> 1) | (bits << 7);
         let edges_alone = (shortest & !next(counts)) | (next(shortest) & !counts);
-        let mut triangles = (counts & next(counts) | edges_alone) & 0xff;
-        while triangles != 0 {
-            let k = triangles.trailing_zeros() as usize;
-            triangles &= triangles - 1;
-            let ends = [k % 8, (k + 1) % 8];
+        let triangles = (counts & next(counts) | edges_alone) & 0xff;
+        for k in bits(triangles) {
+            let ends = [k, (k + 1) % 8];
             let at = |k: usize| {
                 let x = self.to[k].from(point);
                 if counts >> k & 1 == 1 { (around[k], carried[x]) } else { (R::FAR, C::default()) }
@@ -117,11 +112,10 @@ impl Neighbours {
 
     /// Adds the two triangles of a point that have a given neighbour as a corner.
     #[inline(never)]
-    pub(super) fn add_beside<R: Real, C: Carried, S: Copy>(
+    pub(super) fn add_beside<R: Real, C: Carried>(
         &self,
         lengths: &[[R; 4]],
-        (times, carried): (&[R], &[C]),
-        (states, is_final): (&[S], impl Fn(S) -> bool),
+        (settled, carried): (&[R], &[C]),
         [point, number]: [usize; 2],
         lanes: &mut Pulled<R, C>,
     ) {
@@ -129,12 +123,9 @@ impl Neighbours {
         for a in [number, (number + 7) % 8] {
             let b = (a + 1) % 8;
             let at = |k: usize| {
-                let x = self.to[k].from(point);
-                if is_final(states[x]) {
-                    (x, times[x], carried[x])
-                } else {
-                    (x, R::FAR, C::default())
-                }
+                let x = self.neighbour(point, k);
+                let carried = if settled[x] < R::FAR { carried[x] } else { C::default() };
+                (x, settled[x], carried)
             };
             let [(x1, t1, c1), (x2, t2, c2)] = [at(a), at(b)];
             let triangle = Triangle { t1, t2, l1: edges[a], l2: edges[b], c: bases[a] };
@@ -142,29 +133,32 @@ impl Neighbours {
         }
     }
 
-    /// Returns the neighbours that a point reaches along edges and that are later than the point, and their number.
+    /// Returns the neighbours that are later than a point, given the times of all fronts and of those that are final.
     #[inline(always)]
     pub(super) fn later<R: Real>(
         &self,
         lengths: &[[R; 4]],
-        times: &[R],
+        [times, settled]: [&[R]; 2],
         point: usize,
-    ) -> ([Later<R>; 8], usize) {
-        let (own, around) = (times[point], self.around(times, point));
+    ) -> Later<R> {
+        let own = times[point];
+        let (times, settled) = (self.around(times, point), self.around(settled, point));
         let Around { edges, .. } = self.lengths(lengths, point);
-        let mut later = 0u32;
+        let mut by_edges = [own; 8];
+        let mut later = Later { by_edges, waiting: 0, settled: 0 };
         for k in 0..8 {
-            later |= u32::from((edges[k] < R::FAR) & (around[k] > own)) << k;
+            let (there, is_final) = (edges[k] < R::FAR, settled[k] < R::FAR);
+            by_edges[k] = own + edges[k];
+            later.waiting |= u32::from(there & !is_final & (by_edges[k] < times[k])) << k;
+            later.settled |= u32::from(there & is_final & (settled[k] > own)) << k;
         }
-        let (mut all, mut count) = ([Later { point, number: 0, by_edge: own }; 8], 0);
-        while later != 0 {
-            let k = later.trailing_zeros() as usize % 8;
-            later &= later - 1;
-            let (point, number) = (self.to[k].from(point), (k + 4) % 8);
-            all[count % 8] = Later { point, number, by_edge: own + edges[k] };
-            count += 1;
-        }
-        (all, count)
+        Later { by_edges, ..later }
+    }
+
+    /// Returns a neighbour of a point by its number in [`Direction::ALL`].
+    #[inline(always)]
+    pub(super) fn neighbour(&self, point: usize, number: usize) -> usize {
+        self.to[number % 8].from(point)
     }
 
     /// Returns the entries of a bordered array at the eight neighbours of a point, in the order of [`Direction::ALL`].
@@ -201,14 +195,30 @@ impl Neighbours {
         [row(point - self.stride - 1), row(point - 1), row(point + self.stride - 1)]
     }
 
-    /// Prefetches what a point needs.
+    /// Returns a point, and those before and after it in its column.
     #[inline(always)]
-    pub(super) fn prefetch<R: Real>(&self, lengths: &[[R; 4]], times: &[R], point: usize) {
-        for row in [point - self.stride, point, point + self.stride] {
-            prefetch(times, row as isize);
-            prefetch(lengths, row as isize);
-        }
+    pub(super) fn rows_of(&self, point: usize) -> [usize; 3] {
+        [point - self.stride, point, point + self.stride]
     }
+}
+
+/// Returns the numbers of the bits that are set among the lowest eight.
+#[inline(always)]
+pub(super) fn bits(set: u32) -> impl Iterator<Item = usize> {
+    let mut rest = set & 0xff;
+    std::iter::from_fn(move || {
+        let next = rest.trailing_zeros() as usize % 8;
+        let is_there = rest != 0;
+        rest &= rest.wrapping_sub(1);
+        is_there.then_some(next)
+    })
+}
+
+/// Returns the least of eight numbers, in SIMD lanes.
+#[inline(always)]
+fn least<R: Real>([a, b, c, d, e, f, g, h]: [R; 8]) -> R {
+    let [a, b, c, d] = [min(a, e), min(b, f), min(c, g), min(d, h)];
+    min(min(a, c), min(b, d))
 }
 
 #[cfg(test)]

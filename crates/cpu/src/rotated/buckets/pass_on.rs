@@ -1,8 +1,8 @@
 //! Tells the neighbours of a point whose front is final: those that wait for it, and those that were final before it.
 
 use super::BucketScanner;
-use super::neighbours::{Later, TOGETHER};
-use super::state::State;
+use super::neighbours::{TOGETHER, bits};
+use super::state::{State, StoredFronts};
 use crate::fronts::{MOST, Pulled, TriangleFronts, TriangleKind};
 use geosweep_surface::Real;
 use geosweep_surface::update::StoredFront;
@@ -12,18 +12,18 @@ impl<R: Real, K: TriangleKind<R>> BucketScanner<R, K> {
     /// Adds the triangles to final points that the front may reach first.
     #[inline(always)]
     pub(super) fn pass_on(&mut self, point: usize, lanes: &mut Pulled<R, K::Carried>) {
-        if !self.states[point].is_final() {
+        if !self.fronts.is_final(point) {
             return;
         }
-        let (later, count) = self.neighbours.later(&self.lengths, &self.fronts.times, point);
-        for &Later { point: to, number, by_edge } in &later[..count] {
-            if self.states[to].is_final() {
-                let fronts = (self.fronts.times.as_slice(), self.fronts.carried.as_slice());
-                let states = (self.states.as_slice(), State::is_final);
-                self.neighbours.add_beside(&self.lengths, fronts, states, [to, number], lanes);
-            } else {
-                self.expect(to, by_edge);
-            }
+        let StoredFronts { times, settled, .. } = &self.fronts;
+        let around = self.neighbours.later(&self.lengths, [times, settled], point);
+        for k in bits(around.waiting) {
+            self.expect(self.neighbours.neighbour(point, k), around.by_edges[k]);
+        }
+        for k in bits(around.settled) {
+            let fronts = (self.fronts.settled.as_slice(), self.fronts.carried.as_slice());
+            let beside = [self.neighbours.neighbour(point, k), (k + 4) % 8];
+            self.neighbours.add_beside(&self.lengths, fronts, beside, lanes);
         }
         if self.parts.is_some() {
             self.pass_on_through_parts(point);
@@ -50,7 +50,7 @@ impl<R: Real, K: TriangleKind<R>> BucketScanner<R, K> {
         let time = self.fronts.times[point];
         for (to, part, length) in parts.beside(point) {
             if self.fronts.times[to] <= time {
-            } else if !self.states[to].is_final() {
+            } else if !self.fronts.is_final(to) {
                 self.expect(to, time + length);
             } else if let Some(arrival) = self.through_part(to, part) {
                 self.call_back_if_first(to, arrival);
@@ -110,7 +110,7 @@ impl<R: Real, K: TriangleKind<R>> BucketScanner<R, K> {
         let time = self.fronts.times[point];
         let together = time + time * R::of(TOGETHER) * R::epsilon();
         let arrival = K::Carried::time(arrival);
-        if self.states[point].is_final() && arrival <= together {
+        if self.fronts.is_final(point) && arrival <= together {
             self.wait(point, if arrival < time { arrival } else { time });
         }
     }
@@ -126,15 +126,18 @@ impl<R: Real, K: TriangleKind<R>> BucketScanner<R, K> {
         let delay = after.time - before.time;
         let mut dependent = Vec::new();
         self.each_copy(point, |solver, copy| {
-            let times = &solver.fronts.times;
-            let (later, count) = solver.neighbours.later(&solver.lengths, times, copy);
-            dependent.extend(later[..count].iter().map(|later| (later.point, later.by_edge)));
+            let StoredFronts { times, settled, .. } = &solver.fronts;
+            let around = solver.neighbours.later(&solver.lengths, [times, settled], copy);
+            let of_edges = bits(around.settled);
+            dependent.extend(
+                of_edges.map(|k| (solver.neighbours.neighbour(copy, k), around.by_edges[k])),
+            );
             let parts = solver.parts.iter().flat_map(|parts| parts.beside(copy));
             dependent.extend(parts.map(|(to, _, length)| (to, before.time + length)));
         });
         for (to, by_edge) in dependent {
             let time = self.fronts.times[to];
-            if self.states[to].is_final() && time > before.time {
+            if self.fronts.is_final(to) && time > before.time {
                 let arrival = by_edge + delay;
                 self.wait(to, if arrival < time { arrival } else { time });
             }

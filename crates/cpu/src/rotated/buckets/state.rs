@@ -9,6 +9,9 @@ use geosweep_surface::update::StoredFront;
 pub(super) struct StoredFronts<R, C> {
     pub times: Vec<R>,
     pub carried: Vec<C>,
+    /// The times of fronts that are final, as far as is known, and [`Real::FAR`] at all other points. Points find the
+    /// fronts around them that count in this array alone.
+    pub settled: Vec<R>,
 }
 
 impl<R: Real, C: Copy> StoredFronts<R, C> {
@@ -20,6 +23,12 @@ impl<R: Real, C: Copy> StoredFronts<R, C> {
     pub(super) fn set(&mut self, point: usize, front: StoredFront<R, C>) {
         (self.times[point], self.carried[point]) = (front.time, front.carried);
     }
+
+    /// Returns whether the front at a point is final, as far as is known.
+    #[inline(always)]
+    pub(super) fn is_final(&self, point: usize) -> bool {
+        self.settled[point] < R::FAR
+    }
 }
 
 /// The state of a point, as bits.
@@ -27,23 +36,16 @@ impl<R: Real, C: Copy> StoredFronts<R, C> {
 pub(super) struct State(u8);
 
 impl State {
-    /// The point's front is final, as far as is known.
-    pub(super) const FINAL: u8 = 1;
     /// The point waits in the queue.
-    pub(super) const WAITS: u8 = 2;
+    pub(super) const WAITS: u8 = 1;
     /// The point's front has been computed. It may have been final and wait again.
-    pub(super) const COMPUTED: u8 = 4;
+    pub(super) const COMPUTED: u8 = 2;
     /// A seed is at the point.
-    pub(super) const SEED: u8 = 8;
+    pub(super) const SEED: u8 = 4;
 
     #[inline(always)]
     pub(super) fn is(self, bits: u8) -> bool {
         self.0 & bits != 0
-    }
-
-    #[inline(always)]
-    pub(super) fn is_final(self) -> bool {
-        self.is(Self::FINAL)
     }
 
     #[inline(always)]
