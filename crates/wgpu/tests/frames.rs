@@ -299,7 +299,8 @@ fn outputs_of_several_maps_are_those_of_their_surfaces() {
             // Directions have half precision.
             assert!(truth == 0.0 || (ways[index] - 1.0).abs() < 2e-3, "{at}: {}", ways[index]);
         }
-        assert!(reached > 500, "{reached} points");
+        // The area of a disc of 6.5 in cells of 1 by 0.49 is 270.
+        assert!(reached > 250, "{reached} points");
         let (contours, offset) = map.contours().unwrap();
         let contours = readback::bytes(&device, &queue, contours).unwrap();
         let count = u32::from_ne_bytes(contours[..4].try_into().unwrap()) as usize;
