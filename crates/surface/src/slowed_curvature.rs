@@ -100,9 +100,9 @@ impl<R: Real> Row<R> {
                 bases[to] = squared(self.bases[to][i], [there, next]);
             }
             let mut diagonals = [own; 4];
-            for k in 0..4 {
+            for (k, diagonal) in diagonals.iter_mut().enumerate() {
                 let ends = [self.around[2 * k][i], self.around[(2 * k + 2) % 8][i]];
-                diagonals[k] = squared(self.diagonals[k][i], ends);
+                *diagonal = squared(self.diagonals[k][i], ends);
             }
             let mut flow = R::zero();
             for k in 0..4 {
