@@ -365,7 +365,7 @@ fn facts_that_only_the_device_knows_are_in_the_outcome() {
     assert_eq!((outcome.holes, outcome.passed_over, outcome.measured), (3, 5, true));
     // A source that is added to a map counts with the others. A map that starts anew counts anew.
     let in_hole = source(hole_row, hole_col);
-    let record = stage.host.buffer(80, true);
+    let record = stage.host.buffer(4 + Outcome::BYTES as u64, true);
     stage.submit(|r| {
         r.begin(Access::NONE);
         r.add(SourceInput::Inline(&in_hole), &plan).unwrap();
