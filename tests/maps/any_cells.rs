@@ -1,7 +1,7 @@
 //! Properties of maps and paths on planes whose cells are alike and of any shape: axes of a metric up to 1:100 at
 //! any angle, shears up to 85 degrees, and sides up to 30:1.
 
-use geosweep::geometry::{PathTracer, Voronoi};
+use geosweep::geometry::PathTracer;
 use geosweep::glam::DVec2;
 use geosweep::surface::{EdgeLengths, MetricTensor};
 use geosweep::{Options, Sources, Surface, distance_map, distance_map_f64};
@@ -125,24 +125,6 @@ proptest! {
         let tracer = PathTracer::new(&surface, &edges, &sources, &map.distances).unwrap();
         let path = tracer.trace(to.to_array()).unwrap();
         prop_assert!((path.length / exact - 1.0).abs() < 5e-3, "{} {exact}", path.length);
-    }
-
-    /// The map of several sources is that of the nearest one, and every point has a label.
-    #[test]
-    fn several_sources_have_the_nearest_ones_distance(plane in planes(), at in places(2..=5)) {
-        let at: Vec<DVec2> = at.iter().map(|&(shares, is_point)| plane.at(shares, is_point)).collect();
-        let (surface, sources) = (plane.surface(), sources(&at));
-        let map = distance_map(&surface, &sources, &Options::default()).unwrap();
-        let edges = EdgeLengths::new(&surface).unwrap();
-        let regions = Voronoi::new(&surface, &edges, &sources, &map.distances).unwrap();
-        let cell = plane.right.length().max(plane.down.length());
-        for (index, &label) in regions.labels.iter().enumerate() {
-            let to = plane.place(index);
-            let nearest = at.iter().map(|&from| plane.distance(from, to)).fold(f64::INFINITY, f64::min);
-            let found = f64::from(map.distances[index]);
-            prop_assert!((found - nearest).abs() < 2e-3 * nearest + 1e-3 * cell, "{to}: {found} {nearest}");
-            prop_assert!((label as usize) < at.len(), "{to}: {label}");
-        }
     }
 
     /// Scans visit the points of a turned grid in another order.
