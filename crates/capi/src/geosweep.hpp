@@ -146,8 +146,9 @@ struct SurfaceInfo : GeosweepSurfaceInfo {
     SurfaceInfo &with(const GeosweepLookup *of, std::size_t count) {
         return lookups = of, lookup_count = static_cast<uint32_t>(count), *this;
     }
-    /* Glues sides that coincide. Plans for a glued surface must be made with passing_seams(). */
+    /* Lets updates look farther, for cells that are sheared or stretched by much. */
     SurfaceInfo &with_skewed_cells() { return has_skewed_cells = true, *this; }
+    /* Glues sides that coincide. Plans for a glued surface must be made with passing_seams(). */
     SurfaceInfo &glued(GeosweepGluing sides) { return gluing = sides, *this; }
     SurfaceInfo &glued(const GeosweepRunPair *of, std::size_t count) {
         return gluing = GEOSWEEP_GLUING_RUNS, runs = of, run_count = static_cast<uint32_t>(count), *this;

@@ -439,8 +439,11 @@ impl FrameSurface {
 
     fn outcome_in(&self, record: &Record) -> Outcome {
         let seen = if self.has_skewed_cells { FARTHEST_SPLIT } else { SPLIT_REACH };
-        let unresolved = Unresolved::found_by_device(self.grid.chart, record.skew, seen as usize);
-        Outcome { unresolved, ..Outcome::of(record) }
+        let outcome = Outcome::of(record);
+        // Before a measurement, the word holds no skew.
+        let found = if outcome.measured { record.skew } else { 0 };
+        let unresolved = Unresolved::found_by_device(self.grid.chart, found, seen as usize);
+        Outcome { unresolved, ..outcome }
     }
 
     /// Returns the row and column of the first copy in a group.
