@@ -76,7 +76,7 @@ fn padded<R: Real>(row: &[R], first: usize) -> [R; SPAN] {
     })
 }
 
-/// What the curvatures of [`SPAN`] points depend on: slownesses, and weighted lengths.
+/// The values on which the curvatures of [`SPAN`] points depend: slownesses, and weighted lengths.
 struct Row<R> {
     own: [R; SPAN],
     around: [[R; SPAN]; 8],

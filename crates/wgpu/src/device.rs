@@ -1,4 +1,4 @@
-//! What all maps on a device of wgpu share.
+//! The solver and the memory that all maps on a device of wgpu share.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 

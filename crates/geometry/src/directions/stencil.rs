@@ -33,8 +33,8 @@ struct Stencil {
 }
 
 /// Returns the derivative at 0. `scale` is the square of the length of a step, `since` the square root of the sample at
-/// 0, and `noise` the rounding of a sample. If only samples on one side are used, the side given by the sign of `toward` is preferred. Returns
-/// `None` if no samples without a kink are found.
+/// 0, and `noise` the rounding of a sample. If only samples on one side are used, the side given by the sign of `toward`
+/// is preferred. Returns `None` if no samples without a kink are found.
 pub(super) fn derivative(
     samples: Samples,
     (scale, since): (f64, f64),
@@ -53,8 +53,8 @@ pub(super) fn derivative(
 
 /// Returns the derivative at 0 of samples at given places. `scale` is the square of the length of a step, `bend` the
 /// change of second differences that a smooth function may have besides, and `noise` the rounding of a sample. If there
-/// is a kink beside 0, only samples on the side without the kink are used. At a kink the function is the minimum of two smooth functions and bends downwards, so the
-/// side without the kink is the side with the larger second difference.
+/// is a kink beside 0, only samples on the side without the kink are used. At a kink the function is the minimum of two
+/// smooth functions and bends downwards, so the side without the kink is the side with the larger second difference.
 pub(super) fn derivative_beside_kink(
     samples: Samples,
     places: Places,
