@@ -7,7 +7,8 @@ use super::inputs::{Points, SourceBuffer};
 use super::numbered::nth;
 use super::outputs::HostImage;
 use super::solver::Solver;
-use super::surface::{FrameSurface, check_kind};
+use super::surface::FrameSurface;
+use super::surface_info::check_kind;
 use super::surface_sets::HostSets;
 use crate::vulkan::VulkanError;
 

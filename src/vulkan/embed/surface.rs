@@ -1,173 +1,30 @@
-//! Defines the surface of a renderer: its images, and the host's memory that it reads.
+//! Holds the surface of a renderer: its images, and the host's memory that it reads.
 
 use crate::vulkan::device::device_memory::DeviceMemory;
 use std::sync::Arc;
 
 use ash::vk;
 
-use super::inputs::{Lookup, Points, SourceBuffer};
+use super::inputs::{Points, SourceBuffer};
 use super::names::{SurfaceLabels, name_of_surface};
 use super::numbered::nth;
+use super::outcome::Outcome;
 use super::outputs::HostImage;
 use super::solver::{PipelineSet, Solver};
 use super::state::State;
+use super::surface_info::SurfaceInfo;
 use super::surface_sets::HostSets;
-use crate::constants::{
-    BORDER, FARTHEST_SPLIT, NEVER_MEASURED, SOURCES_TOGETHER, SPLIT_REACH, TIME,
-};
-use crate::surface::{
-    Chart, EdgeRule, Glued, Gluing, GluingError, Resolution, SurfaceError, UNGLUED, Unresolved,
-};
+use crate::constants::{BORDER, FARTHEST_SPLIT, SOURCES_TOGETHER, SPLIT_REACH, TIME};
+use crate::surface::{Chart, EdgeRule, Glued, Gluing, GluingError, SurfaceError, UNGLUED};
 use crate::update::Wavefront;
+use crate::vulkan::VulkanError;
 use crate::vulkan::copies::CopyList;
 use crate::vulkan::device::bands::{POINT_BYTES, bands, frame_bytes};
 use crate::vulkan::device::memory::{FORMAT, RESULT_FORMAT};
 use crate::vulkan::device::passes::Variant;
 use crate::vulkan::flight::Flight;
 use crate::vulkan::grid_images::{GridImages, INLINE_SOURCES, Purpose};
-use crate::vulkan::point_kind::PointKind;
-use crate::vulkan::schedules::progress::{Record, offset};
-use crate::vulkan::setters::setters;
-use crate::vulkan::{TexelChart, VulkanError};
-
-/// Parameters of a surface. The host's images and buffers still belong to the host. They must be alive
-/// whenever a recording that uses them runs. Their contents may change from frame to frame.
-#[derive(Clone, Copy, Debug)]
-#[non_exhaustive]
-pub struct SurfaceInfo<'a> {
-    /// Size of the grid.
-    pub chart: Chart,
-    /// Rule by which edges are measured.
-    pub edge_rule: EdgeRule,
-    /// Number of frames in flight, at least 1. The surface has one image of distances and one record of the outcome
-    /// for each; frames write them in turn.
-    pub slots: usize,
-    /// Queue families that use the images of distances and the packed times: the family of the queue to which
-    /// recordings are submitted and the families of the readers, which may be the same. If this lists
-    /// different families, their queues share the images without ownership transfers. If it is empty, other
-    /// families need ownership transfers.
-    pub queue_families: &'a [u32],
-    /// Sides of the grid that coincide, so that distances pass from one to the other; see
-    /// [`crate::Surface::with_gluing`]. Both sides hold the points of the seam. Copies of a point take the values
-    /// of the first copy, and are holes if any copy is a hole. [`Outcome::seam_gap`] says how far copies lie apart.
-    /// Plans for the surface are made with [`super::Plan::over_seams`]. The gluing cannot be [`Gluing::Charts`],
-    /// which depends on positions.
-    pub gluing: Option<&'a Gluing>,
-    /// Whether cells may be so skewed that fronts arrive from points more than six rows or columns away. Updates then look
-    /// for points up to 16 away, which resolves axes of the metric with a ratio of 30 instead of 10. Creating the surface
-    /// then also creates pipelines of its own for all schedules and wavefronts that the solver has at that time. An update
-    /// takes longer only where cells are that skewed. [`Outcome::unresolved`] says whether it is enough. The sides of such
-    /// a grid cannot be glued.
-    pub has_skewed_cells: bool,
-    /// Images of the host for the distances, one per slot. If this is empty, the surface allocates them. See
-    /// [`HostImage`].
-    pub results: &'a [HostImage],
-    /// Points that recordings select by number, for instance one entry for each frame in flight. If any of
-    /// them has a slowness, the surface takes 4 more bytes per point. Creating the surface then also creates
-    /// pipelines with slowness for all schedules and wavefronts that the solver has at that time. Planar
-    /// fronts take the place of circular ones.
-    pub points: &'a [Points],
-    /// Source buffers that recordings select by number.
-    pub sources: &'a [SourceBuffer],
-    /// Buffers for lookups, which recordings select by number.
-    pub lookups: &'a [Lookup],
-    /// Name of the surface in labels and names of objects, for debugging tools and the validation layers
-    /// ([`super::Tools::labels`]). With `None` it is `surface` and a number.
-    pub name: Option<&'a str>,
-}
-
-/// Size of the grid and of its images, the purpose of these, and the gluing.
-type Wanted<'f> = ((Chart, TexelChart), Purpose<'f>, Option<Glued>);
-
-impl<'a> SurfaceInfo<'a> {
-    /// Returns the parameters of a grid with one slot, and with no memory of the host.
-    pub fn new(chart: Chart) -> Self {
-        Self {
-            chart,
-            edge_rule: EdgeRule::default(),
-            slots: 1,
-            queue_families: &[],
-            gluing: None,
-            has_skewed_cells: false,
-            results: &[],
-            points: &[],
-            sources: &[],
-            lookups: &[],
-            name: None,
-        }
-    }
-
-    /// Sets [`SurfaceInfo::name`].
-    pub fn with_name(self, name: impl Into<Option<&'a str>>) -> Self {
-        Self { name: name.into(), ..self }
-    }
-
-    /// Sets [`SurfaceInfo::gluing`].
-    pub fn with_gluing(self, gluing: impl Into<Option<&'a Gluing>>) -> Self {
-        Self { gluing: gluing.into(), ..self }
-    }
-
-    setters! {
-        with_edge_rule(edge_rule: EdgeRule);
-        with_slots(slots: usize);
-        with_skewed_cells(has_skewed_cells: bool);
-        with_queue_families(queue_families: &'a [u32]);
-        with_results(results: &'a [HostImage]);
-        with_points(points: &'a [Points]);
-        with_sources(sources: &'a [SourceBuffer]);
-        with_lookups(lookups: &'a [Lookup]);
-    }
-
-    /// Returns each queue family once.
-    fn families(&self) -> Vec<u32> {
-        let mut families = self.queue_families.to_vec();
-        families.sort_unstable();
-        families.dedup();
-        families
-    }
-
-    /// Returns the gluing of the grid, after checking that all points allow it.
-    fn glued(&self) -> Result<Option<Glued>, VulkanError> {
-        let Some(gluing) = self.gluing else { return Ok(None) };
-        if self.has_skewed_cells {
-            let what = "the search for points far away in skewed cells";
-            return Err(
-                SurfaceError::from(GluingError::Unsupported { what, instead: UNGLUED }).into()
-            );
-        }
-        self.points.iter().try_for_each(|points| check_kind(gluing, points.kind))?;
-        Ok(Some(Glued::of_grid(self.chart, gluing).map_err(SurfaceError::from)?))
-    }
-
-    /// Checks the parameters, and returns the values that follow from them.
-    fn wanted<'f>(&self, solver: &Solver, families: &'f [u32]) -> Result<Wanted<'f>, VulkanError> {
-        self.check()?;
-        let size = (self.chart, solver.limits.texels(self.chart)?);
-        let glued = self.glued()?;
-        let lattice = glued.as_ref().map(Glued::lattice).unwrap_or_default();
-        let slowed = self.points.iter().any(|points| points.slowness.is_some());
-        let slots = self.slots.max(1);
-        let results = if self.results.is_empty() { slots } else { 0 };
-        Ok((
-            size,
-            Purpose { slowed, slots: Some(slots), results, families, lattice, owner: "" },
-            glued,
-        ))
-    }
-
-    fn check(&self) -> Result<(), VulkanError> {
-        let Chart { rows, cols } = self.chart;
-        if rows == 0 || cols == 0 {
-            return Err(SurfaceError::Empty { rows, cols }.into());
-        }
-        let (given, slots) = (self.results.len(), self.slots.max(1));
-        if given != 0 && given != slots {
-            let reason = format!("{given} results are given for {slots} slots");
-            return Err(VulkanError::HostBuffer { what: "distances", reason });
-        }
-        self.results.iter().try_for_each(|image| image.check("distances"))
-    }
-}
+use crate::vulkan::schedules::progress::Record;
 
 /// Surface on the host's device. It has the edge lengths, curvature and fronts, which all recordings share,
 /// and an image of distances for each slot.
@@ -192,13 +49,6 @@ pub struct FrameSurface {
     checks: bool,
     /// Labels of recordings, if the solver has [`super::Tools::labels`].
     pub(super) labels: Option<SurfaceLabels>,
-}
-
-/// Returns an error if points of a kind do not allow a gluing.
-pub(super) fn check_kind(gluing: &Gluing, kind: PointKind) -> Result<(), VulkanError> {
-    let is_in_space = matches!(kind, PointKind::Positions);
-    let checked = gluing.check_geometry(kind.has_positions(), is_in_space);
-    Ok(checked.map_err(SurfaceError::from)?)
 }
 
 /// Image that holds distances. It belongs to the surface, with the usages `SAMPLED`, `STORAGE` and
@@ -231,48 +81,6 @@ pub struct PackedTimes {
     pub layer: u32,
     /// Width of the border around the grid in texels.
     pub border: u32,
-}
-
-/// Outcome of the iterations of a recording.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Outcome {
-    /// Number of iterations, or of rounds of tiles, since the start of the map.
-    pub iterations: u32,
-    /// Largest relative change of a front in the last iteration.
-    pub residual: f64,
-    /// Number of visits since the start of the map, each by one workgroup: to a tile, or to the part of a block
-    /// of lines that a workgroup updates. A smaller radius takes fewer visits.
-    pub visits: u32,
-    /// Whether the map has converged, over edges that were measured. If it has not,
-    /// [`super::Recording::resume`] continues it.
-    pub converged: bool,
-    /// Whether the surface's edges have been measured on the device. They have not if the recording that
-    /// measures them has never run.
-    pub measured: bool,
-    /// Number of grid points that are holes. A point is a hole if one of its values is not finite or too
-    /// large, if it lies outside an image that is too small, or if its slowness is negative.
-    pub holes: u32,
-    /// Number of edges without a length between points that are not holes. The measured length of such an
-    /// edge is 0, as between points at the same place, or too large. A pole or a seam has a number of such
-    /// edges, which the host knows. A larger number means that vertices were zeroed or not written yet.
-    pub edges_without_length: u32,
-    /// Number of the map's sources that reach no point: those off the grid, in holes, or with a time that is
-    /// NaN or not below 1e30. Unused entries of a buffer count.
-    pub passed_over: u32,
-    /// Largest gap between copies of a point of a glued surface, relative to the longest edge at these copies; 0 if the
-    /// surface is not glued. It is rounded down by up to a sixteenth. A gap above a twentieth usually means that
-    /// other sides are glued than those that coincide, or that one side runs in the reverse order. For a metric it
-    /// is the difference between entries, relative to the larger diagonal entry.
-    pub seam_gap: f64,
-    /// Resolution of the surface by the grid, for the points that were measured last.
-    /// [`crate::Surface::resolution`] is the same on the CPU. It is `None` for a metric, or if the grid is too
-    /// small to tell.
-    pub resolution: Option<Resolution>,
-    /// Place whose cells are skewed most, of some thousands that were looked at, if that is too much for updates: then
-    /// fronts may be late around it. [`SurfaceInfo::has_skewed_cells`] lets updates look farther. If that is set already,
-    /// the grid has to follow the direction in which lengths are short. [`crate::Surface::unresolved`] is the same on the
-    /// CPU.
-    pub unresolved: Option<Unresolved>,
 }
 
 /// Largest [`Outcome::seam_gap`] that checks accept.
@@ -427,7 +235,8 @@ impl FrameSurface {
 
     /// Returns the outcome in a record. With checks, it is an error if copies of a point lie apart.
     fn checked(&self, record: &Record) -> Result<Outcome, VulkanError> {
-        let outcome = self.outcome_in(record);
+        let seen = if self.has_skewed_cells { FARTHEST_SPLIT } else { SPLIT_REACH };
+        let outcome = Outcome::of(record, self.grid.chart, seen as usize);
         if self.checks && outcome.seam_gap > LARGEST_GAP {
             return Err(VulkanError::SeamGap {
                 gap: outcome.seam_gap,
@@ -435,15 +244,6 @@ impl FrameSurface {
             });
         }
         Ok(outcome)
-    }
-
-    fn outcome_in(&self, record: &Record) -> Outcome {
-        let seen = if self.has_skewed_cells { FARTHEST_SPLIT } else { SPLIT_REACH };
-        let outcome = Outcome::of(record);
-        // Before a measurement, the word holds no skew.
-        let found = if outcome.measured { record.skew } else { 0 };
-        let unresolved = Unresolved::found_by_device(self.grid.chart, found, seen as usize);
-        Outcome { unresolved, ..outcome }
     }
 
     /// Returns the row and column of the first copy in a group.
@@ -582,30 +382,5 @@ impl Solver {
         info: &SurfaceInfo,
     ) -> Result<FrameSurface, VulkanError> {
         FrameSurface::new(device, allocator, self, info)
-    }
-}
-
-impl Outcome {
-    /// Size in bytes of the record that [`super::Recording::outcome_to`] copies.
-    pub const BYTES: usize = offset::SERIAL_IN_RECORD as usize;
-
-    fn of(record: &Record) -> Self {
-        let Record { outcome, holes, no_length, passed_over, .. } = *record;
-        let Record { sharp, compared, continued, turns, .. } = *record;
-        let measured = holes != NEVER_MEASURED;
-        let resolution = Resolution::counted(sharp, compared, continued, turns);
-        Self {
-            iterations: outcome.iterations,
-            residual: outcome.residual(),
-            visits: outcome.visited,
-            converged: outcome.has_converged() && measured,
-            measured,
-            holes: if measured { holes } else { 0 },
-            edges_without_length: if measured { no_length } else { 0 },
-            passed_over,
-            seam_gap: if measured { record.seam_gap().0.into() } else { 0.0 },
-            resolution: resolution.filter(|_| measured),
-            unresolved: None,
-        }
     }
 }
