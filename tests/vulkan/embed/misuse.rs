@@ -416,6 +416,7 @@ fn edges_that_were_never_measured_on_the_device_show() {
     });
     let outcome = stage.surface.outcome(0).unwrap();
     assert!(!outcome.measured && !outcome.converged, "{outcome:?}");
+    assert_eq!(outcome.unresolved, None);
     stage.end([]);
 }
 
