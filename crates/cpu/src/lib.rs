@@ -42,4 +42,6 @@ pub use solution::Solution;
 pub use sparse_rows::SparseRows;
 pub use surroundings::seeds_for;
 #[doc(hidden)]
+pub use surroundings::{FirstArrival, StraightFronts, straight_parts};
+#[doc(hidden)]
 pub use target_estimate::estimate_targets;

@@ -274,6 +274,12 @@ impl Surface {
         &self.inputs.present
     }
 
+    /// Returns whether no point is missing.
+    #[doc(hidden)]
+    pub fn is_whole(&self) -> bool {
+        self.present().iter().all(|&is| is)
+    }
+
     /// Returns whether the grid has this point and it is not a hole.
     pub fn has(&self, row: usize, col: usize) -> bool {
         row < self.rows() && col < self.cols() && self.present()[self.chart.index(row, col)]

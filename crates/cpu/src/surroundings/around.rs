@@ -101,25 +101,28 @@ impl<'a> Surroundings<'a> {
         kind: K,
         own: &[Seed],
     ) -> Vec<Seed> {
-        let mut scanner = Scanner::new(edges, kind);
-        scanner.solve(own, STOP);
         let first = own.first();
         let (from, origin) = (first.and_then(|s| s.from), first.and_then(|s| s.origin));
-        let arrived = self.own.places().filter_map(|(row, col)| {
-            let front = scanner.front(row, col);
-            let (time, curvature) = (front.time, K::Carried::curvature(front));
-            (time < f64::FAR).then_some(Seed {
-                row,
-                col,
-                time,
-                curvature,
-                from,
-                origin,
-                exact: false,
-                heading: geosweep_surface::Heading::Everywhere,
-                source: 0,
-            })
-        });
-        arrived.collect()
+        let arrived = arrived(edges, kind, own, STOP, self.own.places());
+        arrived.into_iter().map(|seed| Seed { from, origin, ..seed }).collect()
     }
+}
+
+/// Returns the fronts of seeds at some places, as seeds.
+pub(super) fn arrived<K: TriangleKind<f64> + LaneKind<f64>>(
+    edges: &EdgeLengths<f64>,
+    kind: K,
+    own: &[Seed],
+    stop: Stop,
+    places: impl Iterator<Item = (usize, usize)>,
+) -> Vec<Seed> {
+    let mut scanner = Scanner::new(edges, kind);
+    scanner.solve(own, stop);
+    let seed = |(row, col)| {
+        let front = scanner.front(row, col);
+        let curvature = K::Carried::curvature(front);
+        let is_reached = front.time < f64::FAR;
+        is_reached.then_some(Seed { curvature, ..Seed::at_source(row, col, front.time) })
+    };
+    places.filter_map(seed).collect()
 }

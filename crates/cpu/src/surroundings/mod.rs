@@ -15,8 +15,12 @@
 
 mod around;
 mod clusters;
+mod each_alone;
+mod holes;
 mod sight_lines;
 mod skewed;
+mod straight_fronts;
+mod straight_lines;
 
 use std::collections::BTreeMap;
 
@@ -25,10 +29,12 @@ use rayon::prelude::*;
 
 use around::Surroundings;
 use clusters::around_clusters;
+use each_alone::each_alone;
 use geosweep_surface::update::{Setting, Wavefront};
 use geosweep_surface::{Direction, EdgeLengths, Origin, Real, Seed, Surface, with_diagonals};
 use sight_lines::along_sight_lines;
 use skewed::{around_skewed_cells, is_sheared};
+pub use straight_fronts::{FirstArrival, StraightFronts, straight_parts};
 
 /// Maximum number of rows and columns around a source's cell in its surroundings. With 8, maps from inside
 /// cells take as many iterations as from grid points, or one more. With 4 they take one or two more.
@@ -76,10 +82,10 @@ const LONG: f64 = 1.5;
 pub fn seeds_for(wavefront: Wavefront, surface: &Surface, seeds: Vec<Seed>) -> Vec<Seed> {
     match wavefront.or_curved(Setting::of_engine(surface.is_floor_plan())) {
         Wavefront::Planar => seeds,
-        Wavefront::Rays => around_skewed_cells(surface, seeds, true),
+        Wavefront::Rays => around_skewed_cells(surface, seeds),
         Wavefront::Anchored => with_diagonals(surface, seeds),
         wavefront @ (Wavefront::Circular | Wavefront::Curved) => {
-            with_origins(wavefront, surface, around_skewed_cells(surface, seeds, false))
+            with_origins(wavefront, surface, around_skewed_cells(surface, seeds))
         }
     }
 }
@@ -112,6 +118,9 @@ fn with_surroundings(
 /// it adds exact seeds from maps of each source alone. Where all cells are alike, it adds seeds along straight lines
 /// instead, and seeds keep their origins, which tell fronts apart.
 fn with_origins(wavefront: Wavefront, surface: &Surface, mut seeds: Vec<Seed>) -> Vec<Seed> {
+    if let Some(exact) = each_alone(wavefront, surface, &seeds) {
+        return exact;
+    }
     let of_one = |origin: Option<Origin>| seeds.iter().all(|seed| seed.origin == origin);
     let is_lone = match seeds.first().map(|seed| seed.origin) {
         Some(Some(origin)) => origin.is_point() && of_one(Some(origin)),

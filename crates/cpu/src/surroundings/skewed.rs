@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 
 use glam::DVec2;
 
-use super::sight_lines::has_no_hole;
+use super::holes::Holes;
 use geosweep_surface::{Heading, Seed, Surface};
 
 /// Largest cosine of the angle between the sides of a cell that is not sheared.
@@ -16,13 +16,8 @@ const SHEARED: f64 = 0.1;
 /// Number of pieces of a line per row or column, whose lengths are added up.
 const PIECES: f64 = 4.0;
 
-/// Returns the seeds with those around sources inside skewed cells, and with those at the points beside sheared cells if
-/// fronts carry their ray (`has_rays`). Each point has its earliest seed.
-pub(super) fn around_skewed_cells(
-    surface: &Surface,
-    seeds: Vec<Seed>,
-    has_rays: bool,
-) -> Vec<Seed> {
+/// Returns the seeds with those around sources inside skewed and sheared cells. Each point has its earliest seed.
+pub(super) fn around_skewed_cells(surface: &Surface, seeds: Vec<Seed>) -> Vec<Seed> {
     // A line in which the slowness changes has no known time.
     if surface.is_slowed_unevenly() {
         return seeds;
@@ -33,12 +28,13 @@ pub(super) fn around_skewed_cells(
             sources.entry(from.to_array().map(f64::to_bits)).or_insert((from, *seed));
         }
     }
+    let holes = (!sources.is_empty()).then(|| Holes::of(surface)).flatten();
     let around = |(from, seed)| {
         let skew = if surface.is_glued() { 1 } else { surface.skew_around(from) };
-        if skew == 1 && !(has_rays && is_sheared(surface, from)) {
+        if skew == 1 && !is_sheared(surface, from) {
             return Vec::new();
         }
-        on_lines(surface, from, seed, skew)
+        on_lines(surface, holes.as_ref(), from, seed, skew)
     };
     let further: Vec<_> = sources.into_values().flat_map(around).collect();
     if further.is_empty() { seeds } else { Seed::earliest(seeds.into_iter().chain(further)) }
@@ -57,7 +53,13 @@ pub(super) fn is_sheared(surface: &Surface, from: DVec2) -> bool {
 
 /// Returns seeds at the points at most `reach` rows and columns away from the cell of a source, of which one seed is
 /// known. They hold the distances along straight lines of the chart on which no point is missing.
-fn on_lines(surface: &Surface, from: DVec2, known: Seed, reach: usize) -> Vec<Seed> {
+fn on_lines(
+    surface: &Surface,
+    holes: Option<&Holes>,
+    from: DVec2,
+    known: Seed,
+    reach: usize,
+) -> Vec<Seed> {
     let Some(start) = known.origin.map(|origin| origin.start) else { return Vec::new() };
     let length = |to: DVec2| {
         let pieces = ((to - from).abs().max_element() * PIECES).ceil();
@@ -74,7 +76,8 @@ fn on_lines(surface: &Surface, from: DVec2, known: Seed, reach: usize) -> Vec<Se
     let scale = (known.time - start) / known_length;
     let seed = |(row, col): (usize, usize)| {
         let step = DVec2::new(row as f64, col as f64) - from;
-        let is_free = surface.has(row, col) && has_no_hole(surface, (row, col), from);
+        let is_free = surface.has(row, col)
+            && holes.is_none_or(|holes| !holes.are_between(from + step, from));
         let away = if is_free { length(from + step)? * scale } else { return None };
         (away > 0.0).then_some(Seed {
             row,
