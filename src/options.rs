@@ -29,7 +29,8 @@ pub struct Options {
     /// - [`Wavefront::Planar`] on surfaces that turn at random, on surfaces whose slowness jumps in many
     ///   places, and for fast marching;
     /// - [`Wavefront::Rays`] on the CPU where fronts may meet: from several sources or curves, and on closed surfaces.
-    ///   Exceptions are an uneven slowness, and open surfaces whose cells are all alike, where curved fronts are exact;
+    ///   Exceptions are an uneven slowness, and open surfaces whose cells are all alike and of which none is missing,
+    ///   where curved fronts are exact;
     /// - [`Wavefront::Curved`] elsewhere, also over a slowness. It is the most accurate one on smooth
     ///   surfaces and from curves, and as good as the circular one on rough terrain.
     ///

@@ -35,8 +35,8 @@ pub struct SolverArgs {
 
 const BEST_WAVEFRONT: &str = "\
     Curved, with four exceptions: rays on the CPU for several sources, curves and closed surfaces, unless all \
-    cells are alike; anchored for point sources on floor plans; planar where normals or the slowness vary at \
-    random from point to point; and planar for fast marching";
+    cells are alike and none is missing; anchored for point sources on floor plans; planar where normals or \
+    the slowness vary at random from point to point; and planar for fast marching";
 const WAVEFRONTS: [(Wavefront, &str); 5] = [
     (
         Wavefront::Curved,

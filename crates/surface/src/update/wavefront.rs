@@ -32,7 +32,7 @@ pub enum Wavefront {
     /// A front that carries its curvature, the direction of its ray, and the number of its source, for maps on the
     /// CPU. Where fronts of several sources meet, or a front meets itself, each goes on alone. Elsewhere it is as
     /// accurate as [`Self::Curved`], and takes three to six times as long. Maps of several sources, from curves and
-    /// on closed surfaces have these fronts, unless all cells are alike. Over an uneven slowness, maps are solved with
+    /// on closed surfaces have these fronts, unless all cells are alike and none is missing. Over an uneven slowness, maps are solved with
     /// [`Self::Curved`] instead, and their report says so.
     Rays = 4,
 }
@@ -156,8 +156,8 @@ pub struct Setting {
     pub is_rough: bool,
     /// Whether the surface has a slowness that is not the same everywhere.
     pub is_slowed_unevenly: bool,
-    /// Whether fronts of several sources, or a front and itself, may meet on the surface, where cells are not all alike.
-    /// Cells that are alike have no need of rays, since fronts are followed along straight lines to their origins.
+    /// Whether fronts of several sources, or a front and itself, may meet on the surface, and straight lines do not tell
+    /// them apart. Cells that are all alike have no need of rays if no point is missing.
     pub fronts_meet: bool,
     pub sources: SourceKind,
     pub engine: EngineKind,
@@ -237,9 +237,11 @@ impl Setting {
         // In the thin cells around a pole, rays that leave a curve come up to a cell early.
         let from_beside_pole = sources == SourceKind::Curves && surface.has_poles();
         // Where points that split triangles lie far away, rays come early, and do not settle.
+        // Straight lines tell fronts apart where no hole bends them.
+        let are_straight = || surface.is_whole() && surface.has_even_cells();
         let fronts_meet = meet
             && !(is_slowed_unevenly || from_beside_pole)
-            && !(surface.has_even_cells() || surface.has_skewed_cells(SKEWED_MOST));
+            && !(surface.has_skewed_cells(SKEWED_MOST) || are_straight());
         Self { is_floor_plan, is_rough, is_slowed_unevenly, fronts_meet, sources, engine }
     }
 
