@@ -1,8 +1,8 @@
-//! Properties of maps and paths on planes whose cells are alike and of any shape: axes of a metric up to 1:100 at
-//! any angle, shears up to 85 degrees, and sides up to 30:1.
+//! Properties of maps, paths and regions on planes whose cells are alike and of any shape: axes of a metric up to 1:100
+//! at any angle, shears up to 85 degrees, and sides up to 30:1. Gently bent planes have cells that differ.
 
-use geosweep::geometry::PathTracer;
-use geosweep::glam::DVec2;
+use geosweep::geometry::{NO_REGION, PathTracer, Voronoi};
+use geosweep::glam::{DVec2, DVec3};
 use geosweep::surface::{EdgeLengths, MetricTensor};
 use geosweep::{Options, Sources, Surface, distance_map, distance_map_f64};
 use proptest::prelude::*;
@@ -18,17 +18,24 @@ struct Plane {
     down: DVec2,
     /// Whether the surface is made from its metric, and not from positions.
     by_metric: bool,
+    /// Heights as a fraction of the plane's size.
+    bend: f64,
 }
 
 impl Plane {
     fn surface(&self) -> Surface {
-        let Self { rows, cols, right, down, by_metric } = *self;
-        if by_metric {
+        let Self { rows, cols, right, down, by_metric, bend } = *self;
+        if by_metric && bend == 0.0 {
             let tensor =
                 MetricTensor { rr: down.dot(down), rc: down.dot(right), cc: right.dot(right) };
             return Surface::from_metric(rows, cols, vec![tensor; rows * cols]).unwrap();
         }
-        let position = |k: usize| self.position(self.place(k)).extend(0.0);
+        let size = right.length() * cols as f64 + down.length() * rows as f64;
+        let height = |k: usize| {
+            let at = self.place(k) / DVec2::new(rows as f64, cols as f64);
+            bend * size * (0.5 + (3.0 * at.x).sin() * (4.0 * at.y).cos())
+        };
+        let position = |k: usize| -> DVec3 { self.position(self.place(k)).extend(height(k)) };
         Surface::from_positions(rows, cols, (0..rows * cols).map(position).collect()).unwrap()
     }
 
@@ -52,8 +59,8 @@ impl Plane {
 
     /// Returns the plane with rows and columns exchanged.
     fn transposed(&self) -> Self {
-        let Self { rows, cols, right, down, by_metric } = *self;
-        Self { rows: cols, cols: rows, right: down, down: right, by_metric }
+        let Self { rows, cols, right, down, .. } = *self;
+        Self { rows: cols, cols: rows, right: down, down: right, ..self.clone() }
     }
 
     /// Returns the plane with its rows in reverse order.
@@ -80,8 +87,19 @@ fn steps() -> impl Strategy<Value = [DVec2; 2]> {
 
 fn planes() -> impl Strategy<Value = Plane> {
     (steps(), 12..36usize, 12..40usize, any::<bool>()).prop_map(
-        |([right, down], rows, cols, by_metric)| Plane { rows, cols, right, down, by_metric },
+        |([right, down], rows, cols, by_metric)| Plane {
+            rows,
+            cols,
+            right,
+            down,
+            by_metric,
+            bend: 0.0,
+        },
     )
+}
+
+fn bent_planes() -> impl Strategy<Value = Plane> {
+    (planes(), 0.001..0.005).prop_map(|(plane, bend)| Plane { bend, ..plane })
 }
 
 /// Draws places, as shares of the rows and columns, and whether they are grid points.
@@ -99,8 +117,74 @@ fn map(plane: &Plane, at: &[DVec2]) -> Vec<f64> {
     distance_map_f64(&plane.surface(), &sources(at), &options).unwrap().distances
 }
 
+/// Asserts that each reached point has the label of a source from which it is at most `excess` farther than from the
+/// nearest one, in `own` maps of each source. Both distances are in steps to the nearest neighbour beyond two thousandths
+/// of the distance.
+fn assert_labels(
+    surface: &Surface,
+    (sources, map): (&Sources, &[f32]),
+    own: &[Vec<f64>],
+    (step, excess): (f64, f64),
+) -> Result<(), TestCaseError> {
+    let edges = EdgeLengths::new(surface).unwrap();
+    let labels = Voronoi::new(surface, &edges, sources, map).unwrap().labels;
+    for (index, &label) in labels.iter().enumerate() {
+        prop_assert_eq!(label == NO_REGION, map[index].is_infinite(), "{}", index);
+        if label != NO_REGION {
+            let nearest = own.iter().map(|own| own[index]).fold(f64::INFINITY, f64::min);
+            let found = own[label as usize][index];
+            let most = nearest * 1.002 + excess * step;
+            prop_assert!(found <= most, "{index}: {label} is {found} away, not {nearest}");
+        }
+    }
+    Ok(())
+}
+
 proptest! {
     #![proptest_config(cases(300))]
+
+    /// Points belong to their nearest source, also where a region is narrower than a cell, and around holes.
+    #[test]
+    fn regions_are_those_of_the_nearest_source(
+        plane in planes(),
+        at in places(2..=5),
+        hole in prop::option::of((0.2..0.8, 0.2..0.8, 1..5usize)),
+    ) {
+        let at: Vec<DVec2> = at.iter().map(|&(shares, is_point)| plane.at(shares, is_point)).collect();
+        let mut surface = plane.surface();
+        if let Some((row, col, wide)) = hole {
+            let middle = plane.at([row, col], true);
+            let is_far = |k| (plane.place(k) - middle).abs().max_element() > wide as f64;
+            prop_assume!(at.iter().all(|at| (at - middle).abs().max_element() > wide as f64 + 1.0));
+            let mask: Vec<bool> = (0..plane.rows * plane.cols).map(is_far).collect();
+            surface = surface.with_mask(&mask).unwrap();
+        }
+        let map = distance_map(&surface, &sources(&at), &Options::default()).unwrap();
+        let alone = |at: &DVec2| {
+            distance_map_f64(&surface, &sources(&[*at]), &Options::default()).unwrap().distances
+        };
+        let own: Vec<_> = at.iter().map(alone).collect();
+        let step = (plane.shortest_step(), 1e-3);
+        assert_labels(&surface, (&sources(&at), &map.distances), &own, step)?;
+    }
+
+    /// A map of several sources is nowhere later or earlier than the maps of each of them.
+    #[test]
+    fn sources_together_reach_as_soon_as_alone(plane in bent_planes(), at in places(2..=5)) {
+        let at: Vec<DVec2> = at.iter().map(|&(shares, is_point)| plane.at(shares, is_point)).collect();
+        let surface = plane.surface();
+        prop_assume!(surface.has_skewed_cells(2) && surface.unresolved().is_none());
+        let together = map(&plane, &at);
+        let own: Vec<_> = at.iter().map(|at| map(&plane, &[*at])).collect();
+        for (index, found) in together.iter().enumerate() {
+            let nearest = own.iter().map(|own| own[index]).fold(f64::INFINITY, f64::min);
+            let error = (found - nearest).abs() / nearest.max(1e-3 * plane.shortest_step());
+            prop_assert!(error < 1e-6, "{}: {found} {nearest}", plane.place(index));
+        }
+        let single = distance_map(&surface, &sources(&at), &Options::default()).unwrap();
+        let step = (plane.shortest_step(), 1e-3);
+        assert_labels(&surface, (&sources(&at), &single.distances), &own, step)?;
+    }
 
     /// Maps of one source are straight lines, from grid points and from inside cells.
     #[test]

@@ -4,6 +4,7 @@ use glam::DVec2;
 
 use super::tracer;
 use crate::{MapError, NO_REGION, Voronoi};
+use geosweep_cpu::{StraightFronts, straight_parts};
 use geosweep_surface::Surface;
 use geosweep_surface::{EdgeLengths, Monitor, Source, Sources};
 
@@ -30,7 +31,8 @@ impl Nearest {
     /// these sources on this surface, row-major. `edges` are the edge lengths of `surface`.
     ///
     /// The sources are the labels of [`Voronoi`]. For a point source, the place is the source itself. For a curve, the
-    /// path of each point of its region is traced, in time proportional to the path's length.
+    /// path of each point of its region is traced, in time proportional to the path's length, unless the path is known to
+    /// be a straight line.
     ///
     /// # Errors
     /// If a source lies off the surface, or the number of distances differs from the number of grid points.
@@ -77,12 +79,18 @@ impl Nearest {
         let regions = Voronoi::new(surface, edges, sources, distances)?.labels;
         let all: Vec<&Source> = sources.iter().collect();
         let mut places = vec![[f64::NAN; 2]; chart.points()];
+        // On straight lines, no path need be traced.
+        let straight = StraightFronts::new(surface, sources.iter().map(straight_parts).collect());
+        let foot = |index, label| straight.as_ref()?.foot(index, label);
         let mut on_curves = Vec::new();
         for (index, &label) in regions.iter().enumerate().filter(|(_, label)| **label != NO_REGION)
         {
             match all[label as usize] {
                 Source::Point { at, .. } => places[index] = at.to_array(),
-                Source::Curve { .. } => on_curves.push(index),
+                Source::Curve { .. } => match foot(index, label) {
+                    Some(foot) => places[index] = foot.to_array(),
+                    None => on_curves.push(index),
+                },
             }
         }
         // Point sources alone need no paths.

@@ -5,8 +5,8 @@ use std::collections::HashMap;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
+use super::fronts::Fronts;
 use super::known::NO_REGION;
-use super::source_fronts::SourceFronts;
 use crate::Curve;
 use crate::chains::{Segment, join};
 use geosweep_surface::{Cell, Edge, triangles};
@@ -43,7 +43,7 @@ struct Junction {
 
 /// A triangle whose corners have several labels.
 struct Mixed<'a, 'b> {
-    fronts: &'a SourceFronts<'b>,
+    fronts: &'a Fronts<'b>,
     points: [usize; 3],
     labels: [u32; 3],
     /// The node number of the triangle's junction, if it has one.
@@ -51,7 +51,7 @@ struct Mixed<'a, 'b> {
 }
 
 /// Returns the borders and the triangles that several regions share.
-pub(super) fn march(fronts: &SourceFronts, labels: &[u32]) -> (Vec<Border>, Vec<Split>) {
+pub(super) fn march(fronts: &Fronts, labels: &[u32]) -> (Vec<Border>, Vec<Split>) {
     let chart = fronts.chart();
     // Junctions are numbered after all edges, two for each cell.
     let junctions = Edge::end(chart);
@@ -123,7 +123,7 @@ pub(super) fn march(fronts: &SourceFronts, labels: &[u32]) -> (Vec<Border>, Vec<
 }
 
 /// Returns the place where a border crosses an edge.
-fn edge_place(fronts: &SourceFronts, labels: &[u32], edge: Edge, regions: [u32; 2]) -> DVec2 {
+fn edge_place(fronts: &Fronts, labels: &[u32], edge: Edge, regions: [u32; 2]) -> DVec2 {
     let chart = fronts.chart();
     let ((row, col), to) = edge.ends(chart);
     let points = edge.points(chart);

@@ -2,8 +2,10 @@
 
 mod borders;
 mod continuation;
+mod fronts;
 mod guess;
 mod known;
+mod own_maps;
 mod source_fronts;
 mod starts;
 
@@ -15,10 +17,10 @@ use super::area::{of_triangles, rows};
 use super::{Curve, MapError, join_over_seams};
 pub use borders::Border;
 use borders::Split;
+use fronts::Fronts;
 use geosweep_surface::Surface;
 use geosweep_surface::{EdgeLengths, Sources};
 pub use known::NO_REGION;
-use source_fronts::SourceFronts;
 
 /// The Voronoi regions of several sources, and the borders between them.
 #[derive(Clone, Debug)]
@@ -82,8 +84,7 @@ impl Voronoi {
         if let Some(labels) = starts::of_one_source(surface, sources, distances)? {
             return Ok(Self { labels, borders: Vec::new(), splits: Vec::new(), regions });
         }
-        let fronts = SourceFronts::new(surface, edges, sources, distances)?;
-        let labels = fronts.labels();
+        let (fronts, labels) = Fronts::new(surface, edges, sources, distances)?;
         let (borders, splits) = borders::march(&fronts, &labels);
         let borders = if surface.is_glued() { over_seams(borders, surface) } else { borders };
         Ok(Self { labels, borders, splits, regions })

@@ -43,7 +43,6 @@ struct Candidate {
 /// The wavefronts at all points of a bordered array, while they are propagated.
 pub(super) struct SourceFronts<'a> {
     continuation: Continuation<'a>,
-    start: f64,
     known: KnownFronts,
     /// The ranks of points to visit that are known from the start, the earliest last. `queue` holds the ranks
     /// of points added later, and `is_queued` tells which points are in either.
@@ -92,7 +91,6 @@ impl<'a> SourceFronts<'a> {
         guess.doubtful.into_iter().for_each(|point| is_queued[point as usize] = true);
         Ok(Self {
             continuation,
-            start: sources.start(),
             known,
             ahead,
             queue: BinaryHeap::new(),
@@ -400,40 +398,14 @@ impl<'a> SourceFronts<'a> {
         labels
     }
 
-    pub(super) fn chart(&self) -> Chart {
+    fn chart(&self) -> Chart {
         self.neighbourhood().chart()
     }
 
-    /// Returns the squared time at which a wavefront arrives at a grid point, counted from the earliest
-    /// start, if the wavefront is known there. Differences of squared times are linear in the plane.
-    pub(super) fn squared(&self, index: usize, label: u32) -> Option<f64> {
+    /// Returns the time at which a wavefront arrives at a grid point, if the wavefront is known there.
+    pub(super) fn time(&self, index: usize, label: u32) -> Option<f64> {
         let time = self.known.time(self.chart().bordered_point(index), label);
-        (time < f64::FAR).then(|| self.square(time))
-    }
-
-    /// Returns the position at which both wavefronts arrive at once on the edge between two points of different
-    /// regions, from the first point (0) to the second (1).
-    pub(super) fn meeting(&self, points: [usize; 2], labels: [u32; 2]) -> f64 {
-        match points.map(|point| self.lead(point, labels)) {
-            [Some(here), Some(there)] if here > there => (here / (here - there)).clamp(0.0, 1.0),
-            _ => 0.5,
-        }
-    }
-
-    /// Returns the squared time of the second wavefront minus that of the first at a grid point, if both are
-    /// known there.
-    fn lead(&self, index: usize, labels: [u32; 2]) -> Option<f64> {
-        let mut times = [f64::FAR; 2];
-        for (label, time) in self.known.at(self.chart().bordered_point(index)) {
-            let known = labels.iter().zip(&mut times).filter(|(known, _)| **known == label);
-            known.for_each(|(_, known)| *known = time);
-        }
-        let [first, second] = times.map(|time| (time < f64::FAR).then(|| self.square(time)));
-        Some(second? - first?)
-    }
-
-    fn square(&self, time: f64) -> f64 {
-        (time - self.start).powi(2)
+        (time < f64::FAR).then_some(time)
     }
 }
 
