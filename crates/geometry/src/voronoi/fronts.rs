@@ -21,7 +21,7 @@ pub(super) struct Fronts<'a> {
 /// Fronts that go around holes and over cells that differ.
 enum Around<'a> {
     Own(OwnMaps),
-    Followed(SourceFronts<'a>),
+    Followed(Box<SourceFronts<'a>>),
 }
 
 impl Around<'_> {
@@ -60,7 +60,8 @@ impl<'a> Fronts<'a> {
                 let fronts = match OwnMaps::new(surface, edges, sources, straight.is_some()) {
                     Some(maps) => Around::Own(maps),
                     None => {
-                        Around::Followed(SourceFronts::new(surface, edges, sources, distances)?)
+                        let fronts = SourceFronts::new(surface, edges, sources, distances)?;
+                        Around::Followed(Box::new(fronts))
                     }
                 };
                 let mut labels = fronts.labels(distances);
