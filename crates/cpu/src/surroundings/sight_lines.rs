@@ -6,6 +6,7 @@
 //! time is the distance along a straight line of the chart. So all points within a few cells of crowded sources become
 //! seeds.
 
+use std::cell::LazyCell;
 use std::collections::BTreeMap;
 
 use glam::DVec2;
@@ -25,7 +26,7 @@ pub(crate) fn along_sight_lines(surface: &Surface, seeds: &[Seed]) -> Vec<Seed> 
     if !(2..=MOST_ORIGINS).contains(&origins.len()) {
         return Vec::new();
     }
-    let holes = Holes::of(surface);
+    let holes = LazyCell::new(|| Holes::of(surface));
     let mut found = Vec::new();
     for origin in &origins {
         for at in origin.ends {

@@ -4,6 +4,7 @@
 //! points around the cell, as far away as those that split obtuse triangles, are close enough to the source for straight
 //! lines of the chart. The length of any line is an upper bound of the distance, so no seed is early.
 
+use std::cell::LazyCell;
 use std::collections::BTreeMap;
 
 use glam::DVec2;
@@ -28,7 +29,8 @@ pub(super) fn around_skewed_cells(surface: &Surface, seeds: Vec<Seed>) -> Vec<Se
             sources.entry(from.to_array().map(f64::to_bits)).or_insert((from, *seed));
         }
     }
-    let holes = (!sources.is_empty()).then(|| Holes::of(surface)).flatten();
+    // Most sources lie in cells that need no lines.
+    let holes = LazyCell::new(|| Holes::of(surface));
     let around = |(from, seed)| {
         let skew = if surface.is_glued() { 1 } else { surface.skew_around(from) };
         if skew == 1 && !is_sheared(surface, from) {

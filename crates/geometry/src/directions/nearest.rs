@@ -1,5 +1,7 @@
 //! Finds the nearest source of each point and the place on it at which the shortest path ends.
 
+use std::cell::LazyCell;
+
 use glam::DVec2;
 
 use super::tracer;
@@ -80,7 +82,9 @@ impl Nearest {
         let all: Vec<&Source> = sources.iter().collect();
         let mut places = vec![[f64::NAN; 2]; chart.points()];
         // On straight lines, no path need be traced.
-        let straight = StraightFronts::new(surface, sources.iter().map(straight_parts).collect());
+        let straight = LazyCell::new(|| {
+            StraightFronts::new(surface, sources.iter().map(straight_parts).collect())
+        });
         let foot = |index, label| straight.as_ref()?.foot(index, label);
         let mut on_curves = Vec::new();
         for (index, &label) in regions.iter().enumerate().filter(|(_, label)| **label != NO_REGION)

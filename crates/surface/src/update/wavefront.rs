@@ -32,8 +32,8 @@ pub enum Wavefront {
     /// A front that carries its curvature, the direction of its ray, and the number of its source, for maps on the
     /// CPU. Where fronts of several sources meet, or a front meets itself, each goes on alone. Elsewhere it is as
     /// accurate as [`Self::Curved`], and takes three to six times as long. Maps of several sources, from curves and
-    /// on closed surfaces have these fronts, unless all cells are alike and none is missing. Over an uneven slowness, maps are solved with
-    /// [`Self::Curved`] instead, and their report says so.
+    /// on closed surfaces have these fronts, unless all cells are alike and none is missing. Over an uneven slowness,
+    /// maps are solved with [`Self::Curved`] instead, and their report says so.
     Rays = 4,
 }
 
@@ -236,9 +236,9 @@ impl Setting {
         let meet = sources.are_several() || surface.is_glued();
         // In the thin cells around a pole, rays that leave a curve come up to a cell early.
         let from_beside_pole = sources == SourceKind::Curves && surface.has_poles();
-        // Where points that split triangles lie far away, rays come early, and do not settle.
         // Straight lines tell fronts apart where no hole bends them.
         let are_straight = || surface.is_whole() && surface.has_even_cells();
+        // Where points that split triangles lie far away, rays come early, and do not settle.
         let fronts_meet = meet
             && !(is_slowed_unevenly || from_beside_pole)
             && !(surface.has_skewed_cells(SKEWED_MOST) || are_straight());
