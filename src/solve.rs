@@ -5,10 +5,12 @@ use std::time::{Duration, Instant};
 use rayon::prelude::*;
 
 use crate::Stop;
-use crate::cpu::{Order, RotatedScan, seeds_for};
+use crate::cpu::{
+    Order, RotatedScan, StraightFronts, needed_straight_fronts, seeds_for, straight_parts,
+};
 use crate::map_solver::{MapSolver, Waiting};
 use crate::options::Options;
-use crate::surface::{EdgeLengths, Groups, Real, Seed, SolverGrid, Sources, Surface, min};
+use crate::surface::{EdgeLengths, Groups, Origin, Real, Seed, SolverGrid, Sources, Surface, min};
 use crate::update::Wavefront;
 #[cfg(feature = "vulkan")]
 use crate::vulkan::{DeviceChoice, Schedule};
@@ -72,7 +74,8 @@ pub(crate) fn in_precision<R: Precision>(
         Some(solver) => solver.wavefront(sources, options)?,
         None => options.resolve_wavefront(surface, sources)?,
     };
-    let problem = Problem::in_wavefront::<R>(surface, seeds, sources, options, wavefront)?;
+    let parts = sources.iter().map(|source| straight_parts(surface, source)).collect();
+    let problem = Problem::in_wavefront::<R>(surface, (seeds, parts), sources, options, wavefront)?;
     R::solve(&Problem { solver, ..problem }, &options.engine)
 }
 
@@ -175,9 +178,11 @@ fn check_memory<R: Real>(surface: &Surface, wavefront: Wavefront) -> Result<(), 
 pub(crate) struct Problem<'a> {
     pub surface: &'a Surface,
     pub grid: SolverGrid<'a>,
-    /// The seeds on the solver's grid, with the smallest initial value subtracted. A single source then starts at zero,
-    /// where the circular front is exact.
+    /// The seeds at the corners of the sources' cells, with the smallest initial value subtracted. A single source then
+    /// starts at zero, where the circular front is exact.
     pub seeds: Vec<Seed>,
+    /// The fronts along straight lines, where these tell the fronts of several sources apart.
+    pub straight: Option<StraightFronts>,
     pub start: f64,
     pub wavefront: Wavefront,
     #[cfg(feature = "vulkan")]
@@ -204,12 +209,13 @@ impl<'a> Problem<'a> {
         options: &Options,
     ) -> Result<Self, Error> {
         let wavefront = options.resolve_wavefront(surface, sources)?;
-        Self::in_wavefront::<R>(surface, seeds, sources, options, wavefront)
+        Self::in_wavefront::<R>(surface, (seeds, Vec::new()), sources, options, wavefront)
     }
 
+    /// Makes a problem from seeds, and the points and segments of each source where these are known.
     fn in_wavefront<R: Precision>(
         surface: &'a Surface,
-        mut seeds: Vec<Seed>,
+        (mut seeds, mut parts): (Vec<Seed>, Vec<Vec<Origin>>),
         sources: &Sources,
         options: &Options,
         wavefront: Wavefront,
@@ -224,14 +230,20 @@ impl<'a> Problem<'a> {
             seed.time -= start;
             seed.origin = seed.origin.map(|origin| origin.started_earlier(start));
         }
-        let grid = surface.solver_grid();
-        let seeds = seeds_for(wavefront, surface, seeds);
-        let seeds = seeds.into_iter().map(|seed| grid.seed(seed)).collect();
+        parts.iter_mut().flatten().for_each(|part| *part = part.started_earlier(start));
+        let straight = if wavefront.is_curved() && !parts.is_empty() {
+            needed_straight_fronts(surface, &parts).filter(|fronts| !fronts.has_holes())
+        } else {
+            None
+        };
+        // Straight lines need no points beyond seams.
+        let grid = if straight.is_some() { surface.own_grid() } else { surface.solver_grid() };
         let targets = targets.map(|targets| grid.targets(targets));
         Ok(Self {
             surface,
             grid,
             seeds,
+            straight,
             start,
             wavefront,
             #[cfg(feature = "vulkan")]
@@ -252,8 +264,33 @@ impl<'a> Problem<'a> {
         self.solve_in(Some(Order::Times))
     }
 
+    /// Returns the seeds from which engines solve, on the solver's grid.
+    pub fn solver_seeds(&self) -> Vec<Seed> {
+        let seeds = match &self.straight {
+            Some(fronts) => fronts.seeds(),
+            None => seeds_for(self.wavefront, self.surface, self.seeds.clone()),
+        };
+        seeds.into_iter().map(|seed| self.grid.seed(seed)).collect()
+    }
+
+    /// Returns the map of fronts along straight lines, which needs no iterations.
+    fn along_straight_lines<R: Precision>(
+        &self,
+        fronts: &StraightFronts,
+    ) -> Result<DistanceMap<R>, Error> {
+        let start = Instant::now();
+        let distances = fronts.times();
+        self.monitor.check()?;
+        let report = self.report(UsedEngine::Cpu, "straight-lines", start.elapsed());
+        Ok(self.finish(distances, report))
+    }
+
     /// Solves on the CPU in a given order, or in the best one.
     fn solve_in<R: Precision>(&self, order: Option<Order>) -> Result<DistanceMap<R>, Error> {
+        if let (Some(fronts), None) = (&self.straight, order) {
+            return self.along_straight_lines(fronts);
+        }
+        let seeds = self.solver_seeds();
         let kept = self.solver.and_then(|all| all.take::<R>(self.wavefront, order));
         let (start, mut solver) = match kept {
             Some(solver) => (Instant::now(), solver),
@@ -271,8 +308,8 @@ impl<'a> Problem<'a> {
         solver = solver.with_monitor(self.monitor.clone());
         solver.set_radius(self.time_limit());
         let convergence = match &self.targets {
-            Some(targets) => solver.solve_to(&self.seeds, targets, self.stop),
-            None => solver.solve(&self.seeds, self.stop),
+            Some(targets) => solver.solve_to(&seeds, targets, self.stop),
+            None => solver.solve(&seeds, self.stop),
         };
         let schedule = if solver.is_in_order_of_time() { "order-of-time" } else { "rotated-scan" };
         self.monitor.check()?;

@@ -4,7 +4,7 @@ use crate::auto::Choice;
 use crate::cpu;
 use crate::share::share;
 use crate::solve::Problem;
-use crate::surface::EdgeLengths;
+use crate::surface::{EdgeLengths, Seed};
 use crate::vulkan::{self, DeviceChoice, Schedule, VulkanError};
 use crate::{DistanceMap, Error, Targets, UsedEngine};
 
@@ -12,7 +12,12 @@ impl Problem<'_> {
     /// Solves on the engine that the crate chooses.
     pub fn solve_on_the_best(&self) -> Result<DistanceMap, Error> {
         let time = self.time_limit();
-        let share = share(self.grid.surface(), &self.seeds, time, self.targets.as_ref());
+        if self.straight.is_some() {
+            let reason = "fronts reach all points along straight lines".into();
+            return Ok(self.solve_on_cpu()?.because(reason));
+        }
+        let seeds: Vec<_> = self.seeds.iter().map(|seed| self.grid.seed(*seed)).collect();
+        let share = share(self.grid.surface(), &seeds, time, self.targets.as_ref());
         let (chart, is_kept) = (self.surface.chart(), vulkan::are_pipelines_kept());
         let reason = match Choice::of(chart, self.wavefront, share, is_kept) {
             Choice::Cpu(reason) => return Ok(self.solve_on_cpu()?.because(reason)),
@@ -47,15 +52,16 @@ impl Problem<'_> {
         let method = vulkan::Method::new(self.wavefront, self.stop)
             .with_schedule(self.schedule)
             .with_radius(self.time_limit());
+        let seeds = self.solver_seeds();
         let solution = match &self.targets {
             Some(targets) => {
                 let estimate = match solver.schedule(&surface, method) {
-                    Schedule::Raster => self.estimate(targets)?,
+                    Schedule::Raster => self.estimate(&seeds, targets)?,
                     _ => f64::INFINITY,
                 };
-                solver.solve_to_about(&mut surface, &self.seeds, targets, estimate, method)?
+                solver.solve_to_about(&mut surface, &seeds, targets, estimate, method)?
             }
-            None => solver.solve(&mut surface, &self.seeds, method)?,
+            None => solver.solve(&mut surface, &seeds, method)?,
         };
         let schedule = solution.schedule.name();
         let mut report = self.report(UsedEngine::Vulkan, schedule, solution.time);
@@ -65,9 +71,9 @@ impl Problem<'_> {
     }
 
     /// Returns an estimate of the arrival time at the targets.
-    fn estimate(&self, targets: &Targets) -> Result<f64, VulkanError> {
+    fn estimate(&self, seeds: &[Seed], targets: &Targets) -> Result<f64, VulkanError> {
         let edges = EdgeLengths::<f32>::new(self.grid.surface())?;
-        Ok(cpu::estimate_targets(&edges, &self.seeds, targets).0)
+        Ok(cpu::estimate_targets(&edges, seeds, targets).0)
     }
 
     /// Returns the map that a device computed. A cancelled computation is an error, since its map may be incomplete.

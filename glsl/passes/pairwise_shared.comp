@@ -104,7 +104,7 @@ uint pass_pair(int scan, int line, int behind, int pair, int points, bool may_re
     vec4 base = vec4(NUMBER(6), NUMBER(7), NUMBER(7), NUMBER(8));
     vec4 time = old_time;
     vec4 carried = old_carried;
-    accept(update_pair(ends, surface, vec2(0.0), l1, l2, base, NO_PLACES), uint(scan) + 1u, may_renew, time, carried);
+    accept(update_pair(ends, surface, vec2(0.0), l1, l2, base), uint(scan) + 1u, may_renew, time, carried);
     if (!has_b) {
         time.yw = old_time.yw;
         carried.yw = old_carried.yw;

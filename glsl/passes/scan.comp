@@ -2,7 +2,7 @@
 // fits into a workgroup. The opposite scan may be at work in the other half of the grid.
 // Twins: crates/cpu/src/twins/scan.rs, and scan_in_pairs in crates/cpu/src/twins/blocks.rs.
 
-#define WITH_ORIGINS
+#define WITH_ANCHORS
 #include "update/wavefront.glsl"
 #include "passes/blocks.glsl"
 

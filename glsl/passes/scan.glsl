@@ -24,7 +24,7 @@
 //     int LINES                                         largest number of lines of texels in a block
 //     int PAIRS                                         whether the opposite scan is at work in the other half
 //                                                       of the grid at the same time
-// and WITH_ORIGINS if fronts may have anchors or carry numbers of origins.
+// and WITH_ANCHORS if fronts may have anchors.
 
 // Direction of the scan: one of the four unit steps.
 layout(constant_id = 0) const int AHEAD_X = 0;
@@ -172,7 +172,7 @@ vec2 front_at(ivec2 point) {
 
 #include "update/splits.glsl"
 
-#ifdef WITH_ORIGINS
+#ifdef WITH_ANCHORS
 #include "update/anchored_ways.glsl"
 
 // Updates both lines of a texel by paths to anchors. `behind` has the neighbours behind the texel's first
@@ -213,7 +213,7 @@ bool pass_triangles(ivec2 point, NeighboursBehind behind, vec4 base_left, vec4 b
     if (passes(point, ahead)) {
         vec4 own_slowness = own.first.slowness;
         Places four = Places(point - along, along, 2 * along, ahead, along);
-        Fronts fronts = update_four(behind, own.first.surface, own_slowness, base_left, base_right, four);
+        Fronts fronts = update_four(behind, own.first.surface, own_slowness, base_left, base_right);
         bvec4 left = are_obtuse_at_x0(behind.ends[0], behind.ends[1], own_slowness, behind.edges[0], behind.edges[1], base_left);
         bvec4 right = are_obtuse_at_x0(behind.ends[1], behind.ends[2], own_slowness, behind.edges[1], behind.edges[2], base_right);
         any_obtuse = any(either(left, right));
@@ -229,7 +229,7 @@ bool pass_triangles(ivec2 point, NeighboursBehind behind, vec4 base_left, vec4 b
         vec4 base = vec4(edge_length(point - along, along), edge_length(point, along),
                          edge_length(point, along), edge_length(point + along, along));
         Places pair = Places(point + ahead, along, ivec2(0), ahead, along);
-        Fronts fronts = update_pair(own.first, surface, slowness, l1, l2, base, pair);
+        Fronts fronts = update_pair(own.first, surface, slowness, l1, l2, base);
         bvec4 obtuse = are_obtuse_in_pair(own.first, slowness, l1, l2, base);
         any_obtuse = any_obtuse || any(obtuse);
         add_parts(pair, obtuse, obtuse.zwxy, fronts);
@@ -326,7 +326,7 @@ void scan_block() {
         own.second_carried = second_line(old_carried, ahead).xyxy;
 
         bool sees_further = any(notEqual(tags_of(own_surface) & LACKING, uvec4(0u)));
-#ifdef WITH_ORIGINS
+#ifdef WITH_ANCHORS
         if (HAS_ANCHORS) {
             follow_ways(point, behind, l1, l2, may_renew, own);
         } else

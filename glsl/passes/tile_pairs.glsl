@@ -38,7 +38,7 @@ void advance(ivec2 at, ivec2 ahead, ivec2 along, int copy, bool may_renew) {
                           edge_in_tile(behind + along, along), 0.0);
         vec2 own = CARRIES ? vec2(surface[spot(at)], surface[spot(next)]) : vec2(0.0);
         vec2 slow = SLOWED != 0 ? vec2(slowness[spot(at)], slowness[spot(next)]) : vec2(0.0);
-        fronts = update_pair(ends, own, slow, l1, l2, bases.xyyz, pair);
+        fronts = update_pair(ends, own, slow, l1, l2, bases.xyyz);
         bvec4 obtuse = are_obtuse_in_pair(ends, slow, l1, l2, bases.xyyz);
         add_parts(pair, obtuse, obtuse.zwxy, fronts);
     }

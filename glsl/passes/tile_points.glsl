@@ -81,15 +81,8 @@ Fronts update_point(Prepared now, Seen before, Seen behind, Seen after, Places p
     vec4 slow = sided(now.stored.own.slowness, now.stored.own.slowness, UNUSED_LENGTH);
     bvec4 alone = bvec4(now.l1.z >= FAR);
     Fronts both_sides;
-    if (NAMED != 0 || SLOWED != 0) {
-        ivec2 back = -places.ahead;
-        Site left = site_at(places, back - places.along, back);
-        Site right = site_at(places, back, back + places.along);
-        Site site = Site(vec4(places.first.x), vec4(places.first.y),
-                         sided(left.first_col.x, right.first_col.x, 0.0), sided(left.first_row.x, right.first_row.x, 1.0),
-                         sided(left.second_col.x, right.second_col.x, 1.0),
-                         sided(left.second_row.x, right.second_row.x, 0.0));
-        both_sides = update_at(near, far, own, slow, now.l1, now.l2, now.base, alone, site);
+    if (SLOWED != 0) {
+        both_sides = update_acute(near, far, own, slow, now.l1, now.l2, now.base, alone);
         now.obtuse = are_obtuse_at_x0(near, far, slow, now.l1, now.l2, now.base);
     } else {
         both_sides = update_on(now.face, near, far, own, alone);

@@ -12,7 +12,6 @@
 // constants, since drivers would spend time on code that a constant only disables.
 // Twin: crates/cpu/src/twins/tile_round.rs.
 
-#define WITH_ORIGINS
 #include "update/wavefront.glsl"
 #include "shared/edge_image.glsl"
 #include "shared/surface_image.glsl"

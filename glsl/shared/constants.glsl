@@ -33,27 +33,6 @@
 // Weight of a change of a front's curvature in the residual. The change is taken relative to 1 over the
 // arrival time, and counts beside relative changes of that time.
 #define CURVATURE_COUNTS 1e-4
-// Fronts may carry the number of an origin in place of a curvature. These numbers begin at minus this value;
-// see crates/surface/src/update/curvature.rs.
-#define FIRST_ORIGIN 2305843009213693952.0
-// Weight of a change of a front's origin in the residual. It is multiplied by CURVATURE_COUNTS.
-#define ORIGIN_COUNTS 0.1
-// Largest number of origins that have a number.
-#define MOST_ORIGINS 16777216
-// A front is in sight of its origin if its time equals that of the straight line from there, up to this part
-// of the line's length; see crates/surface/src/update/sight.rs.
-#define IN_SIGHT 0.02
-// A front lies on the straight line from its origin, nearly up to rounding, if its time differs by no more
-// than this part of the line's length.
-#define ON_LINE 1e-4
-// A ray that passes an edge by less than this part of the edge counts as a ray along it.
-#define PAST_EDGE 1e-4
-// Share of the base by which the time at the other end may exceed the time at which this end's front would
-// get there. Up to this, the front counts as unblocked.
-#define UNBLOCKED 0.01
-// Largest product of the Gaussian curvature and the squared distance at which the curvature of a front still
-// follows from its distance.
-#define BENDS_MOST 0.1
 // Weight of a change of a front's anchor in the residual, as a relative change of its arrival time.
 #define ANCHOR_COUNTS 1e-5
 // Mask of the last binary digits of a number, which may hold a tag; see tag.glsl.

@@ -5,6 +5,7 @@
 
 #include "shared/processor.glsl"
 #include "shared/surface_image.glsl"
+#include "update/anchors.glsl"
 #include "update/splits.glsl"
 #include "update/corner.glsl"
 

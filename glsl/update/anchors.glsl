@@ -1,8 +1,7 @@
-// Declares data at the end of the upload buffer, where there is room for SOURCES_INSIDE entries and one more. For
-// fronts with anchors these are the sources inside cells, each in one entry, and in the last entry the metric of the
-// floor plan. For curved fronts with several sources these are the origins, each in two entries: its ends, and the
-// time at which fronts leave it. Columns and rows of places are those in the images with the border.
-// Twins: src/vulkan/upload/anchors.rs and src/vulkan/upload/origins.rs.
+// Declares data at the end of the upload buffer, where there is room for SOURCES_INSIDE entries and one more: the sources
+// inside cells of fronts with anchors, each in one entry, and in the last entry the metric of the floor plan. Columns and
+// rows of places are those in the images with the border.
+// Twin: src/vulkan/upload/anchors.rs.
 
 layout(set = 0, binding = 3) readonly restrict buffer Anchors {
     vec4 anchors[];
@@ -12,17 +11,6 @@ layout(set = 0, binding = 3) readonly restrict buffer Anchors {
 // and of a step to the next column, and the squared length of a step to the next column.
 vec3 metric() {
     return anchors[anchors.length() - 1].xyz;
-}
-
-// Returns the ends of an origin of curved fronts, in columns and rows: one end in xy, and the step from it to the other
-// end in zw.
-vec4 origin_ends(uint number) {
-    return anchors[anchors.length() - 1 - SOURCES_INSIDE + 2 * int(number)];
-}
-
-// Returns the time at which fronts leave an origin.
-float origin_start(uint number) {
-    return anchors[anchors.length() - SOURCES_INSIDE + 2 * int(number)].x;
 }
 
 // Returns a source inside a cell: its column and row in xy, and its start time in z. `number` counts such sources

@@ -94,8 +94,7 @@ Fronts curved_in(Shape shape, vec4 h, bvec4 upright, EndFronts end1, EndFronts e
     vec4 share = crossing * spread * per;
     vec4 ray = mix(edge, c * (root * h * spread * per), inside);
     vec4 gaussian = mix(edge_g, g + share * (near_g - g), inside);
-    // The numbers of origins are at most -FIRST_ORIGIN, so no curvature may be that low.
-    vec4 curvature = max(bent(dividend * per, 0.5 * (g0 + gaussian), ray), -0.5 * FIRST_ORIGIN);
+    vec4 curvature = bent(dividend * per, 0.5 * (g0 + gaussian), ray);
     return Fronts(mix(mix(by_near, by_far, from_far), time, inside), curvature, shape.whole);
 }
 
@@ -152,12 +151,9 @@ void accept_curved(Fronts fronts, uint scan, bool renews, inout vec4 time, inout
     bvec4 is_new = not(both(ties, bends_alike));
     bvec4 comes_again = both(both(bvec4(renews), reached), equal(tag_before & SCAN_OF_TAG, uvec4(scan)));
     bvec4 first = either(both(not(ties), lessThan(fronts.time, time)), both(ties, knows));
-    // A front from the seed's own source does not replace the seed, whose time is more accurate than an update.
-    bvec4 is_seed = both(equal(tag_before & SCAN_OF_TAG, uvec4(0u)), lessThanEqual(curvature, vec4(-FIRST_ORIGIN)));
-    bvec4 own = both(both(reached, is_seed), are_alike_but_for_tags(curvature, tagged));
     // Exact seeds stay: where two fronts meet, an update may take them for one front, which arrives too early.
     bvec4 held = both(both(reached, bvec4(holds)), equal(tag_before & SCAN_OF_TAG, uvec4(EXACT)));
-    bvec4 accepted = either(both(first, not(either(own, held))), both(comes_again, is_new));
+    bvec4 accepted = either(both(first, not(held)), both(comes_again, is_new));
     curvature = mix(curvature, tagged, accepted);
     vec4 arrival = mix(fronts.time, min(time, fronts.time), ties);
     time = mix(time, arrival, accepted);
@@ -174,9 +170,6 @@ bool is_first_curved(float time, float curvature, float other, float other_curva
 // Returns the largest change of curvature at four points as an equivalent change of times, in units of the last place.
 uint change_of_curvature(vec4 before, vec4 curvature, vec4 time) {
     vec4 bends = abs(curvature - before) * time;
-    // These points carry numbers of origins instead of curvatures.
-    bvec4 named = lessThanEqual(min(before, curvature), vec4(-FIRST_ORIGIN));
-    bends = mix(bends, mix(vec4(ORIGIN_COUNTS), vec4(0.0), are_alike_but_for_tags(before, curvature)), named);
     float bend = max(max(bends.x, bends.y), max(bends.z, bends.w)) * (CURVATURE_COUNTS / PRECISION);
     // A larger change than this limit would mean that a front has reached the point for the first time.
     return uint(min(bend, 1.0 / PRECISION));

@@ -169,20 +169,8 @@ Fronts through_parts(ivec2 x0, ivec2 a, ivec2 b) {
             l *= 0.5 * (slowness.xyz + known);
             bases *= 0.5 * (known.xy + known.yz);
         }
-        Fronts parts;
-#ifdef WITH_ORIGINS
-        if (NAMED != 0 && SLOWED == 0) {
-            vec4 col1 = vec2(right.step.x, apex.step.x).xyxy;
-            vec4 row1 = vec2(right.step.y, apex.step.y).xyxy;
-            vec4 col2 = vec2(apex.step.x, left.step.x).xyxy;
-            vec4 row2 = vec2(apex.step.y, left.step.y).xyxy;
-            Site site = Site(vec4(x0.x), vec4(x0.y), col1, row1, col2, row2);
-            parts = update_at(end1, end2, vec4(surface), slowness, max(l.xyxy, far), max(l.yzyz, far),
-                              max(bases.xyxy, far), bvec4(false), site);
-        } else
-#endif
-            parts = update(end1, end2, vec4(surface), slowness, max(l.xyxy, far), max(l.yzyz, far),
-                           max(bases.xyxy, far), bvec4(false));
+        Fronts parts = update(end1, end2, vec4(surface), slowness, max(l.xyxy, far), max(l.yzyz, far),
+                              max(bases.xyxy, far), bvec4(false));
         Fronts others = Fronts(parts.time.yxyx, parts.carried.yxyx, parts.whole.yxyx);
         first = earlier(first, earlier(parts, others));
         if (right_obtuse) {

@@ -48,27 +48,6 @@ struct Places {
     ivec2 ahead, along;
 };
 
-// For updates that need no positions.
-const Places NO_PLACES = Places(ivec2(0), ivec2(0), ivec2(0), ivec2(0), ivec2(0));
-
-// The points x0 of four triangles, by column and row, and the steps from each to x1 (first) and to x2 (second).
-struct Site {
-    vec4 col, row;
-    vec4 first_col, first_row;
-    vec4 second_col, second_row;
-};
-
-// Returns the site of four updates that have the same steps to x1 and x2.
-Site site_at(Places places, ivec2 first, ivec2 second) {
-    vec4 at = vec4(0.0, 1.0, 0.0, 1.0);
-    vec4 further = vec4(0.0, 0.0, 1.0, 1.0);
-    vec2 to_second = vec2(places.to_second);
-    vec2 to_third = vec2(places.to_third);
-    return Site(float(places.first.x) + at * to_second.x + further * to_third.x,
-                float(places.first.y) + at * to_second.y + further * to_third.y,
-                vec4(first.x), vec4(first.y), vec4(second.x), vec4(second.y));
-}
-
 bvec4 both(bvec4 a, bvec4 b) {
     return bvec4(uvec4(a) & uvec4(b));
 }

@@ -99,47 +99,28 @@ vec4 bases_of_acute(bvec4 obtuse, vec4 c) {
     return mix(c, vec4(FAR), obtuse);
 }
 
-#ifdef WITH_ORIGINS
-#include "update/origins.glsl"
-#endif
-
-// Returns the fronts at x0 as update() does. `c` has the bases of obtuse triangles too. Fronts see their origins from
-// `site`.
-Fronts update_at(EndFronts end1, EndFronts end2, vec4 surface, vec4 slowness, vec4 l1, vec4 l2, vec4 c, bvec4 alone, Site site) {
-#ifdef WITH_ORIGINS
-    // Where the slowness varies, fronts do not run along straight lines, and origins are not used.
-    bool named = NAMED != 0 && HAS_CURVATURE && SLOWED == 0 && any(either(are_numbers(end1.carried), are_numbers(end2.carried)));
-    if (named) return curved_from_origins(end1, end2, surface, l1, l2, c, alone, site);
-#endif
+// Returns the fronts at x0 as update() does. `c` has the bases of obtuse triangles too.
+Fronts update_acute(EndFronts end1, EndFronts end2, vec4 surface, vec4 slowness, vec4 l1, vec4 l2, vec4 c, bvec4 alone) {
     bvec4 obtuse = are_obtuse_at_x0(end1, end2, slowness, l1, l2, c);
     return update(end1, end2, surface, slowness, l1, l2, bases_of_acute(obtuse, c), alone);
 }
 
 // Returns the fronts at four points through the two triangles that each sees behind it, given the bases of
 // these triangles.
-Fronts update_four(NeighboursBehind sight, vec4 surface, vec4 slowness, vec4 base_left, vec4 base_right, Places places) {
+Fronts update_four(NeighboursBehind sight, vec4 surface, vec4 slowness, vec4 base_left, vec4 base_right) {
     bvec4 alone = are_alone(sight.edges[1]);
-    ivec2 back = -places.ahead;
-    Site left = site_at(places, back - places.along, back);
-    Site right = site_at(places, back, back + places.along);
-    return earlier(update_at(sight.ends[0], sight.ends[1], surface, slowness, sight.edges[0], sight.edges[1], base_left,
-                             alone, left),
-                   update_at(sight.ends[1], sight.ends[2], surface, slowness, sight.edges[1], sight.edges[2], base_right,
-                             alone, right));
+    return earlier(update_acute(sight.ends[0], sight.ends[1], surface, slowness, sight.edges[0], sight.edges[1], base_left,
+                                alone),
+                   update_acute(sight.ends[1], sight.ends[2], surface, slowness, sight.edges[1], sight.edges[2], base_right,
+                                alone));
 }
 
 // Returns the fronts at a pair of points of a line from the four points behind: at the first point in x and z, at the
 // second one in y and w. In `l1`, `l2` and `base`, left triangles are in xy and right ones in zw.
-Fronts update_pair(EndFronts behind, vec2 surface, vec2 slowness, vec4 l1, vec4 l2, vec4 base, Places places) {
+Fronts update_pair(EndFronts behind, vec2 surface, vec2 slowness, vec4 l1, vec4 l2, vec4 base) {
     EndFronts near = EndFronts(behind.time.xyyz, behind.carried.xyyz, behind.surface.xyyz, behind.slowness.xyyz);
     EndFronts far = EndFronts(behind.time.yzzw, behind.carried.yzzw, behind.surface.yzzw, behind.slowness.yzzw);
-    ivec2 back = -places.ahead;
-    Site left = site_at(places, back - places.along, back);
-    Site right = site_at(places, back, back + places.along);
-    Site site = Site(left.col, left.row, vec4(left.first_col.xy, right.first_col.xy),
-                     vec4(left.first_row.xy, right.first_row.xy), vec4(left.second_col.xy, right.second_col.xy),
-                     vec4(left.second_row.xy, right.second_row.xy));
-    Fronts sided = update_at(near, far, surface.xyxy, slowness.xyxy, l1, l2, base, are_alone(l1.zwzw), site);
+    Fronts sided = update_acute(near, far, surface.xyxy, slowness.xyxy, l1, l2, base, are_alone(l1.zwzw));
     return earlier(Fronts(sided.time.xyxy, sided.carried.xyxy, sided.whole.xyxy),
                    Fronts(sided.time.zwzw, sided.carried.zwzw, sided.whole.zwzw));
 }

@@ -51,6 +51,7 @@ mod sampling;
 mod shared_edges;
 mod skewed_cells;
 mod slowness;
+mod straight_lines;
 mod tile_order;
 mod times;
 mod uneven_steps;

@@ -74,6 +74,7 @@ fn rows_of_sources_are_lines_whatever_the_relief() {
         let sources =
             (0..61).fold(Sources::default(), |all, col| all.and_point(0.0, f64::from(col), 0.0));
         let seeds = sources.seeds_with_origins(&surface).unwrap();
+        let seeds = cpu::seeds_for(Wavefront::Curved, &surface, seeds);
         let edges = EdgeLengths::<f32>::new(&surface).unwrap();
         let map = cpu::rotated_scan(&edges, &seeds, Wavefront::Curved, STOP).distances();
         for (index, distance) in map.iter().enumerate().skip(61 * 2) {

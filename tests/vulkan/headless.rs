@@ -11,7 +11,7 @@ use geosweep::vulkan::{
     HeadlessSolver, Method, Schedule, TexelChart, Tuning, VulkanError, devices,
 };
 use geosweep::{
-    DeviceChoice, Engine, MetricTensor, Options, Sources, Surface, UsedEngine, Wavefront,
+    DeviceChoice, Engine, Gluing, MetricTensor, Options, Sources, Surface, UsedEngine, Wavefront,
     distance_map,
 };
 
@@ -343,6 +343,36 @@ fn the_one_call_says_what_it_used() {
     assert_eq!((auto.report.engine, &auto.report.fallback), (UsedEngine::Cpu, &None));
     assert!(auto.report.reason.is_some_and(|why| why.contains("600 points")));
     assert_eq!(auto.distances, cpu.distances);
+}
+
+/// Where cells are all alike, fronts of several sources and over seams are those of straight lines, as on the CPU.
+#[test]
+fn straight_lines_give_the_maps_of_every_schedule() {
+    let tensor = MetricTensor { rr: 9.0, rc: 4.0, cc: 2.5 };
+    let open = || Surface::from_metric(41, 52, vec![tensor; 41 * 52]).unwrap();
+    let holes: Vec<_> = (0..41 * 52).map(|k| k / 52 != 20 || k % 52 > 45).collect();
+    for (surface, is_whole) in [
+        (open(), true),
+        (open().with_gluing(Gluing::columns()).unwrap(), true),
+        (open().with_gluing(Gluing::both()).unwrap(), true),
+        (open().with_mask(&holes).unwrap(), false),
+    ] {
+        let sources = Sources::point(5.0, 48.25)
+            .and_point(5.5, 47.0, 0.5)
+            .and_curve([[3.5, 10.0], [12.0, 10.5], [12.0, 17.0]], 0.0);
+        let cpu = distance_map(&surface, &sources, &Options::default()).unwrap();
+        assert_eq!(cpu.report.schedule == "straight-lines", is_whole);
+        for schedule in [Schedule::Raster, Schedule::Tiles] {
+            let options = Options::default().with_engine(Engine::Vulkan(device_choice()));
+            let options = options.with_schedule(schedule);
+            let map = distance_map(&surface, &sources, &options).unwrap();
+            assert_eq!((map.report.engine, map.report.converged), (UsedEngine::Vulkan, true));
+            // On the CPU, fronts carry their ray behind holes.
+            let most = if is_whole { 1e-6 } else { 3e-3 };
+            let apart = difference(&map.distances, &cpu.distances);
+            assert!(apart < most, "{schedule:?}, {is_whole}: {apart}");
+        }
+    }
 }
 
 #[test]

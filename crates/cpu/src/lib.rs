@@ -42,6 +42,6 @@ pub use solution::Solution;
 pub use sparse_rows::SparseRows;
 pub use surroundings::seeds_for;
 #[doc(hidden)]
-pub use surroundings::{FirstArrival, StraightFronts, straight_parts};
+pub use surroundings::{FirstArrival, StraightFronts, needed_straight_fronts, straight_parts};
 #[doc(hidden)]
 pub use target_estimate::estimate_targets;

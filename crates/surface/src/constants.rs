@@ -32,27 +32,6 @@ pub const FLAT: f64 = 1e-30;
 /// Weight of a change of a front's curvature in the residual. The change is taken relative to 1 over the
 /// arrival time, and counts beside relative changes of that time.
 pub const CURVATURE_COUNTS: f64 = 1e-4;
-/// Fronts may carry the number of an origin in place of a curvature. These numbers begin at minus this value;
-/// see crates/surface/src/update/curvature.rs.
-pub const FIRST_ORIGIN: f64 = 2305843009213693952.0;
-/// Weight of a change of a front's origin in the residual. It is multiplied by CURVATURE_COUNTS.
-pub const ORIGIN_COUNTS: f64 = 0.1;
-/// Largest number of origins that have a number.
-pub const MOST_ORIGINS: u32 = 16777216;
-/// A front is in sight of its origin if its time equals that of the straight line from there, up to this part
-/// of the line's length; see crates/surface/src/update/sight.rs.
-pub const IN_SIGHT: f64 = 0.02;
-/// A front lies on the straight line from its origin, nearly up to rounding, if its time differs by no more
-/// than this part of the line's length.
-pub const ON_LINE: f64 = 1e-4;
-/// A ray that passes an edge by less than this part of the edge counts as a ray along it.
-pub const PAST_EDGE: f64 = 1e-4;
-/// Share of the base by which the time at the other end may exceed the time at which this end's front would
-/// get there. Up to this, the front counts as unblocked.
-pub const UNBLOCKED: f64 = 0.01;
-/// Largest product of the Gaussian curvature and the squared distance at which the curvature of a front still
-/// follows from its distance.
-pub const BENDS_MOST: f64 = 0.1;
 /// Weight of a change of a front's anchor in the residual, as a relative change of its arrival time.
 pub const ANCHOR_COUNTS: f64 = 1e-5;
 /// Mask of the last binary digits of a number, which may hold a tag; see tag.glsl.

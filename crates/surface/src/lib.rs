@@ -143,6 +143,8 @@ struct Known {
     resolution: OnceLock<Option<Resolution>>,
     /// See [`Surface::unresolved`].
     most_skewed: OnceLock<MostSkewed>,
+    /// See [`Surface::even_metric`].
+    even_metric: OnceLock<Option<[f64; 3]>>,
 }
 
 impl Surface {

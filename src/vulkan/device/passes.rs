@@ -246,8 +246,6 @@ pub(crate) struct Variant {
     pub(crate) splits: Splits,
     /// Whether the slowness of the surface is not the same everywhere.
     pub(crate) slowed: bool,
-    /// Whether fronts may carry the numbers of their origins.
-    pub(crate) named: bool,
     /// Whether tiles have the size for small grids.
     pub(crate) small_tiles: bool,
     /// Whether passes over a finished map look for copies of points.
@@ -290,20 +288,20 @@ impl Splits {
 
 impl From<Wavefront> for Variant {
     fn from(wavefront: Wavefront) -> Self {
-        let [slowed, named, small_tiles, glued] = [false; 4];
-        Self { wavefront, splits: Splits::Near, slowed, named, small_tiles, glued }
+        let [slowed, small_tiles, glued] = [false; 3];
+        Self { wavefront, splits: Splits::Near, slowed, small_tiles, glued }
     }
 }
 
 impl Variant {
-    pub(crate) const COUNT: usize = 16 * Splits::ALL.len() * Wavefront::ALL.len();
+    pub(crate) const COUNT: usize = 8 * Splits::ALL.len() * Wavefront::ALL.len();
 
     /// Returns all variants, in the order of their indices among a pass's pipelines.
     pub(crate) fn all() -> impl Iterator<Item = Self> {
-        let bits = (0..16).flat_map(|bits| Splits::ALL.map(|splits| (bits, splits)));
+        let bits = (0..8).flat_map(|bits| Splits::ALL.map(|splits| (bits, splits)));
         bits.flat_map(|(bits, splits)| {
-            let [slowed, named, small_tiles, glued] = [0, 1, 2, 3].map(|bit| bits >> bit & 1 != 0);
-            let of = |wavefront| Self { wavefront, splits, slowed, named, small_tiles, glued };
+            let [slowed, small_tiles, glued] = [0, 1, 2].map(|bit| bits >> bit & 1 != 0);
+            let of = |wavefront| Self { wavefront, splits, slowed, small_tiles, glued };
             Wavefront::ALL.map(of)
         })
     }
@@ -337,10 +335,9 @@ impl Row {
         let splits = if is_split { variant.splits as usize } else { 0 };
         let wavefront = if self.depends_on_wavefront { variant.wavefront as usize } else { 0 };
         let slowed = self.shader.depends_on(Constant::Slowed) && variant.slowed;
-        let named = self.shader.depends_on(Constant::Named) && variant.named;
         let small_tiles = self.has_small_tiles(variant);
         let glued = self.shader.depends_on(Constant::Seams) && variant.glued;
-        let bits = [glued, small_tiles, named, slowed].map(usize::from);
+        let bits = [glued, small_tiles, slowed].map(usize::from);
         let number = bits.into_iter().fold(0, |number, bit| 2 * number + bit);
         (number * Splits::ALL.len() + splits) * Wavefront::ALL.len() + wavefront
     }
@@ -352,7 +349,7 @@ impl Row {
     /// Returns the numbers and values of the specialization constants.
     pub(crate) fn constants(&self, of: &Specialization) -> Vec<(u32, i32)> {
         let Specialization { tuning, on_processor, variant, map, group_order } = *of;
-        let Variant { wavefront, splits, slowed, named, small_tiles, glued } = variant;
+        let Variant { wavefront, splits, slowed, small_tiles, glued } = variant;
         let tuning = if small_tiles { tuning.with_small_tiles() } else { tuning };
         let ahead = self.scan.map_or((0, 0), Scan::ahead);
         let width = self.width.map_or(0, |width| match width {
@@ -367,7 +364,6 @@ impl Row {
             Constant::Wavefront => wavefront as i32,
             Constant::Splits => splits.reach(),
             Constant::Slowed => slowed.into(),
-            Constant::Named => named.into(),
             Constant::Seams => glued.into(),
             Constant::OnProcessor => on_processor.into(),
             Constant::GroupOrder => group_order,

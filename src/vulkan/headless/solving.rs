@@ -245,7 +245,6 @@ impl HeadlessSolver {
             wavefront,
             splits: surface.splits,
             slowed: surface.slowed,
-            named: surface.is_named(),
             small_tiles: self.tuning().has_small_tiles(surface.images.texels),
             glued: false,
         };

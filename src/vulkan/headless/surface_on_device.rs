@@ -11,7 +11,7 @@ use crate::vulkan::device::passes::{Splits, Variant};
 use crate::vulkan::device::pipelines::Pipelines;
 use crate::vulkan::grid_images::{GridImages, Purpose};
 use crate::vulkan::schedules::plan::Step;
-use crate::vulkan::upload::{Anchors, NumberedOrigins, curvatures};
+use crate::vulkan::upload::{Anchors, curvatures};
 use crate::vulkan::{TexelChart, VulkanError};
 
 /// Edge lengths of a surface on a device, ready for any number of maps.
@@ -29,8 +29,6 @@ pub struct SurfaceOnDevice {
     is_anchored: bool,
     /// Origins of the last map's fronts.
     pub(in crate::vulkan) origins: Origins,
-    /// Origins whose numbers curved fronts carry.
-    numbered: NumberedOrigins,
     /// Command buffer that starts a map.
     pub(in crate::vulkan) first: CommandBuffer,
     /// Command buffers that continue a map, one for each part of the steps in `goes_on`. `goes_on` also holds
@@ -72,7 +70,6 @@ impl SurfaceOnDevice {
             slowed,
             is_anchored: false,
             origins: Origins::none(slowed),
-            numbered: NumberedOrigins::default(),
             first,
             further: Vec::new(),
             goes_on: None,
@@ -99,7 +96,6 @@ impl SurfaceOnDevice {
         let goes_on = start == Start::FromLast;
         if !goes_on {
             self.origins.forget();
-            self.numbered.forget();
         }
         seeds.iter().for_each(|seed| self.origins.add(seed));
         // A map is continued with the fronts with which it was started.
@@ -122,21 +118,7 @@ impl SurfaceOnDevice {
         self.is_anchored = false;
         // A wavefront that is still anchored here has no room for the numbers of its sources.
         let wavefront = wavefront.or_curved(Setting::of_device(false));
-        let has_origins = seeds.iter().any(|seed| seed.origin.is_some());
-        // Lines of the chart end at seams.
-        let has_lines = !self.slowed && self.images.copies.is_none();
-        let has_numbers = wavefront.is_curved() && has_lines && has_origins;
-        if !has_numbers {
-            return Ok((wavefront, curvatures(seeds)));
-        }
-        let carried = self.numbered.carried(seeds);
-        self.numbered.write(self.images.anchors());
-        Ok((wavefront, carried))
-    }
-
-    /// Returns whether fronts of the map may carry numbers of origins.
-    pub(in crate::vulkan) fn is_named(&self) -> bool {
-        !self.numbered.is_empty()
+        Ok((wavefront, curvatures(seeds)))
     }
 
     /// Returns the bytes of device and staging memory held.

@@ -1,9 +1,7 @@
 //! Converts sources and their fronts to the form in which shaders read them.
 
 mod anchors;
-mod origins;
 mod seeds;
 
 pub(super) use anchors::{ANCHOR_BYTES, Anchors};
-pub(super) use origins::NumberedOrigins;
 pub(crate) use seeds::{SEED_BYTES, SOURCE_BYTES, SeedTexel, curvatures, seed_texels};

@@ -2,7 +2,7 @@
 
 use crate::constants::WHOLE;
 use crate::surface::{FAR, Seed, Tagged};
-use crate::update::{Curvature, Wavefront, tag_of};
+use crate::update::{Wavefront, tag_of};
 use crate::vulkan::TexelChart;
 pub(crate) use crate::vulkan::device::shaders::seed::SeedTexel;
 
@@ -22,14 +22,14 @@ pub(crate) fn curvatures(seeds: &[Seed]) -> Vec<f32> {
 /// carries in addition to its time.
 pub(crate) fn seed_texels(seeds: &[Seed], carried: &[f32], wavefront: Wavefront) -> Vec<SeedTexel> {
     let place = |seed: &Seed| TexelChart::texel_of(seed.row, seed.col);
-    let start = |seed: &Seed, carried: f32| match wavefront {
-        Wavefront::Curved if !Curvature::is_number(carried) => seed.start_of_curved(),
+    let start = |seed: &Seed| match wavefront {
+        Wavefront::Curved => seed.start_of_curved(),
         _ => seed.time as f32,
     };
     let mut placed: Vec<_> = seeds
         .iter()
         .zip(carried)
-        .map(|(seed, carried)| (place(seed), start(seed, *carried), *carried))
+        .map(|(seed, carried)| (place(seed), start(seed), *carried))
         .collect();
     placed.sort_by_key(|&((row, col, _), ..)| (row, col));
     let mut texels: Vec<SeedTexel> = Vec::new();
@@ -51,7 +51,7 @@ pub(crate) fn seed_texels(seeds: &[Seed], carried: &[f32], wavefront: Wavefront)
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::update::{Front, SEED};
+    use crate::update::{Curvature, Front, SEED};
 
     /// If the fronts differed, a front that arrives at the same time as a seed would replace the seed on a
     /// device, but not on the CPU.

@@ -4,34 +4,23 @@ use std::sync::Arc;
 
 use super::kind::{FrontKind, Fronts, TriangleFronts, TriangleKind, Triangular};
 use super::lanes::LaneKind;
-use super::origins::{LineOrigins, OriginTable, SpanOrigins};
 use super::surface_array::SurfaceArray;
-use crate::behind::TriangleSlots;
 use crate::bend_units;
 use crate::lines::line::ScanLine;
 use crate::lines::settled::{Visited, from_curved};
 use crate::lines::span::{Before, LargestChanges, Span, TILE};
 use crate::scan::{Scan, UpdateOptions};
-use geosweep_surface::constants::IN_SIGHT;
 use geosweep_surface::update::{
-    Carried, Curvature, Curvatures, EXACT, Front, SEED, Sighted, Steps, StoredFront, Triangle,
-    curved, curved_at, curved_from_origins, line_to,
+    Carried, Curvature, Curvatures, EXACT, Front, SEED, StoredFront, Triangle, curved, curved_at,
 };
-use geosweep_surface::{
-    Chart, Direction, EdgeLengths, LACKING, Origins, Real, Seed, Tagged, max, min,
-};
+use geosweep_surface::{Chart, EdgeLengths, LACKING, Origins, Real, Seed, Tagged, min};
 
 /// The front of [`geosweep_surface::Wavefront::Curved`].
 #[derive(Clone, Debug)]
 pub(crate) struct Curved<R> {
-    edges: EdgeLengths<R>,
     /// The surface's Gaussian curvature, with a tag where fronts diffract.
     gaussian: Arc<Vec<R>>,
     origins: Origins,
-    /// The origins whose numbers fronts carry.
-    table: OriginTable<R>,
-    /// Whether seeds have origins.
-    has_names: bool,
 }
 
 /// A front stored at a point.
@@ -40,41 +29,9 @@ type KeptCurved<R> = StoredFront<R, Curvature<R>>;
 impl<R: Real> Curved<R> {
     pub(crate) fn new(edges: &EdgeLengths<R>) -> Self {
         Self {
-            edges: edges.clone(),
             gaussian: edges.shared_gaussian_curvature(),
             origins: Origins::none(edges.front_meets_itself()),
-            table: OriginTable::default(),
-            has_names: false,
         }
-    }
-
-    /// Returns the arrival time of a seed's front along the straight line from its origin, and the number of the
-    /// origin. Returns `None` if the seed has no numbered origin, or if its time does not agree with the line. The
-    /// length of the line is computed as in updates, so that this time and the times of updates agree up to rounding.
-    fn named(&mut self, seed: &Seed) -> Option<(R, R)> {
-        // Lines of the chart end at seams.
-        let is_open = self.edges.copies().is_none();
-        let origin = seed.origin.filter(|_| is_open && self.has_numbers())?;
-        let number = self.table.number(&origin)?;
-        let chart = self.edges.chart();
-        let at = [seed.row + 1, seed.col + 1].map(|at| R::of(at as f64));
-        let sighted = self.table.get(number).from(at);
-        let point = chart.bordered(seed.row, seed.col);
-        let triangles = Direction::ALL.map(|to| TriangleSlots::new(chart, to, to.next()));
-        let all = triangles.iter().map(|slots| {
-            let steps = slots.directions().map(|to| <[isize; 2]>::from(to.step()));
-            (slots.lengths(&self.edges, point), steps)
-        });
-        let start = R::of(seed.time);
-        let time = line_to(all, &sighted).unwrap_or(start);
-        let away = max(time, start) - sighted.start;
-        ((time - start).abs() <= R::of(IN_SIGHT) * away)
-            .then(|| (time, Curvature::of_origin(number)))
-    }
-
-    /// Returns whether fronts carry the numbers of their origins.
-    fn has_numbers(&self) -> bool {
-        self.has_names
     }
 }
 
@@ -84,63 +41,56 @@ impl<R: Real> FrontKind<R> for Curved<R> {
 
     fn expect(&mut self, seeds: &[Seed]) {
         seeds.iter().for_each(|seed| self.origins.add(seed));
-        self.has_names |= seeds.iter().any(|seed| seed.origin.is_some());
     }
 
     fn arrival_of_seed(&mut self, seed: &Seed) -> Front<R> {
-        let (time, curvature) =
-            self.named(seed).unwrap_or_else(|| (seed.start_of_curved(), R::of(seed.curvature)));
-        Front { time, curvature, whole: true }
+        Front { time: seed.start_of_curved(), curvature: R::of(seed.curvature), whole: true }
     }
 
     fn forget(&mut self) {
         self.origins.forget();
-        self.table.clear();
-        self.has_names = false;
     }
 }
 
 impl<R: Real> LaneKind<R> for Curved<R> {
     type SurfaceData = R;
-    type OfLine<'k> = CurvedLine<'k, R>;
+    type OfLine<'k> = CurvedLine;
     const TELLS_BENDS: bool = true;
 
     fn surface_data(&self, _: Chart) -> SurfaceArray<R> {
         SurfaceArray::OfEdges(self.gaussian.clone())
     }
 
-    fn of_line(&self, first: [usize; 2], scan: Scan) -> CurvedLine<'_, R> {
-        let origins = self.has_numbers().then(|| LineOrigins::new(&self.table, first, scan));
-        CurvedLine { causal: self.origins.are_causal(), origins }
+    fn of_line(&self, _: [usize; 2], _: Scan) -> CurvedLine {
+        CurvedLine { causal: self.origins.are_causal() }
     }
 
     #[inline(always)]
     fn update_span(
-        of_line: &CurvedLine<'_, R>,
+        of_line: &CurvedLine,
         line: &mut ScanLine<'_, '_, R, Self::Carried, Self::SurfaceData>,
         [start, points]: [usize; 2],
         splits: &[(usize, Option<Self::Arrival>)],
         options: UpdateOptions,
         changes: &mut LargestChanges<R>,
     ) -> Option<bool> {
-        let has_numbers = of_line.origins.is_some();
         let span = line.span(start, points);
         let first = if splits.is_empty() {
-            if leaves::<_, false>(&span, points, options, has_numbers) {
+            if leaves::<_, false>(&span, points, options) {
                 return None;
             }
-            of_line.first_fronts::<false>(line, [start, points], span, options)
+            of_line.first_fronts::<_, false>(line, [start, points], span, options)
         } else {
             let is_alone = splits.iter().all(|(_, front)| front.is_none());
-            if is_alone && leaves::<_, true>(&span, points, options, has_numbers) {
+            if is_alone && leaves::<_, true>(&span, points, options) {
                 return None;
             }
-            let mut first = of_line.first_fronts::<true>(line, [start, points], span, options);
+            let mut first = of_line.first_fronts::<_, true>(line, [start, points], span, options);
             first.lower(splits, start);
             first
         };
         let Accepted { times, curvatures, any } =
-            accept_all(&span, points, &first, options, has_numbers, changes);
+            accept_all(&span, points, &first, options, changes);
         line.set(start, &times[..points], &curvatures[..points]);
         Some(any)
     }
@@ -154,7 +104,7 @@ impl<R: Real> LaneKind<R> for Curved<R> {
         points: usize,
         options: UpdateOptions,
     ) -> bool {
-        leaves::<_, false>(&span, points, options, self.has_numbers())
+        leaves::<_, false>(&span, points, options)
     }
 }
 
@@ -172,29 +122,7 @@ impl<R: Real> TriangleKind<R> for Curved<R> {
         let fronts = carried.map(Curvature::value);
         let surface = corners.map(|corner| self.gaussian[corner]);
         let bends = Curvatures { fronts, surface, alone, causal: self.origins.are_causal() };
-        if !carried.iter().any(|carried| carried.origin().is_some()) {
-            return curved(triangle, bends);
-        }
-        let [(row, col), x1, x2] = corners.map(|corner| self.edges.chart().entry(corner));
-        let step = |(to_row, to_col): (usize, usize)| {
-            [to_row as isize - row as isize, to_col as isize - col as isize]
-        };
-        let at = [row, col].map(|at| R::of(at as f64));
-        let sighted: [Sighted<R>; 2] = carried.map(|carried| self.table.of(carried).from(at));
-        curved_from_origins(triangle, bends, &Steps::new([step(x1), step(x2)]), sighted)
-    }
-
-    #[inline]
-    fn face_arrival(
-        &self,
-        corners: [usize; 3],
-        triangle: Triangle<R>,
-        carried: [Curvature<R>; 2],
-        alone: bool,
-    ) -> Front<R> {
-        let has_names = carried.iter().any(|carried| carried.origin().is_some());
-        let face = if has_names { triangle } else { triangle.without_obtuse_face() };
-        self.arrival(corners, face, carried, alone)
+        curved(triangle, bends)
     }
 }
 
@@ -229,12 +157,9 @@ impl<R: Real> Fronts<R> for Curvature<R> {
         let together = was_reached & front.arrives_with(before);
         let first = if together { front.replaces(before) } else { front.time < time };
         let is_new = !(together & front.is_same_as(before));
-        // A front from the seed's own source does not replace the seed, whose time is more accurate than an update.
-        let own = was_reached & curvature.is_seed_of(front.curvature);
         // Exact seeds stay: where two fronts meet, an update may take them for one front, which arrives too early.
         let held = was_reached & curvature.is_from(EXACT);
-        let accepted =
-            (first & !own & !held) | (was_reached & renews & curvature.is_from(scan) & is_new);
+        let accepted = (first & !held) | (was_reached & renews & curvature.is_from(scan) & is_new);
         let arrival = if together { min(time, front.time) } else { front.time };
         StoredFront {
             time: if accepted { arrival } else { time },
@@ -259,7 +184,7 @@ impl<R: Real> Fronts<R> for Curvature<R> {
     /// Returns the larger of the changes of arrival time and curvature.
     #[inline(always)]
     fn change(before: KeptCurved<R>, after: KeptCurved<R>) -> R::Bits {
-        let bend = after.carried.bend_from(before.carried, after.time);
+        let bend = (after.carried.value() - before.carried.value()).abs() * after.time;
         before.time.units_between(after.time).max(bend_units(bend))
     }
 }
@@ -290,17 +215,12 @@ fn leaves<R: Real, const SPLIT: bool>(
     span: &Span<R, Curvature<R>, R>,
     points: usize,
     options: UpdateOptions,
-    has_numbers: bool,
 ) -> bool {
     if span.is_renewed(points, options) {
         return false;
     }
     if span.leads(points) {
         return true;
-    }
-    // The test needs curvatures. If fronts may carry numbers of origins instead, all points are updated.
-    if has_numbers {
-        return false;
     }
     let [before, beside, after] = span.carried_behind;
     let (mut settled, limit) = (true, R::of(options.limit));
@@ -319,18 +239,16 @@ fn leaves<R: Real, const SPLIT: bool>(
 }
 
 /// Data of curved fronts that the update of a line needs.
-pub(crate) struct CurvedLine<'k, R> {
+pub(crate) struct CurvedLine {
     /// Value of [`Curvatures::causal`].
     causal: bool,
-    /// The origins, if fronts carry their numbers.
-    origins: Option<LineOrigins<'k, R>>,
 }
 
-impl<R: Real> CurvedLine<'_, R> {
+impl CurvedLine {
     /// Returns the first fronts to reach a span of points. `SPLIT` tells whether some of their triangles
     /// are obtuse.
     #[inline(always)]
-    fn first_fronts<const SPLIT: bool>(
+    fn first_fronts<R: Real, const SPLIT: bool>(
         &self,
         line: &ScanLine<'_, '_, R, Curvature<R>, R>,
         [start, points]: [usize; 2],
@@ -338,12 +256,6 @@ impl<R: Real> CurvedLine<'_, R> {
         options: UpdateOptions,
     ) -> FirstFronts<R> {
         let (gaussian_behind, causal) = (line.surface_behind(start, points), self.causal);
-        let origins =
-            self.origins.as_ref().and_then(|origins| origins.behind(start, &span, points));
-        if let Some(origins) = &origins {
-            let bent = Bent::<_, SPLIT, true> { span, gaussian_behind, causal };
-            return fronts_of_origins(&bent, origins, points);
-        }
         let mut at_border = false;
         for gaussian in &span.surface_data[..points] {
             at_border |= gaussian.tag_has(LACKING, LACKING);
@@ -365,15 +277,13 @@ pub(super) struct Accepted<R> {
     pub any: bool,
 }
 
-/// Accepts the first fronts to reach a span of points. `has_numbers` tells whether fronts may carry numbers of
-/// origins.
+/// Accepts the first fronts to reach a span of points.
 #[inline(always)]
 pub(super) fn accept_all<R: Real, G>(
     span: &Span<'_, R, Curvature<R>, G>,
     points: usize,
     first: &FirstFronts<R>,
     options: UpdateOptions,
-    has_numbers: bool,
     changes: &mut LargestChanges<R>,
 ) -> Accepted<R> {
     let (mut times, mut curvatures) = ([R::zero(); TILE], [Curvature::default(); TILE]);
@@ -386,11 +296,7 @@ pub(super) fn accept_all<R: Real, G>(
         let change = before.time.units_between(after.time);
         any |= change.max(bent_before.units_between(bent)) > R::Bits::default();
         changes.note(i, change);
-        let bend = match has_numbers {
-            true => after.carried.bend_from(before.carried, after.time),
-            false => (bent - bent_before).abs() * after.time,
-        };
-        changes.note_bend(i, bend);
+        changes.note_bend(i, (bent - bent_before).abs() * after.time);
     }
     Accepted { times, curvatures, any }
 }
@@ -436,26 +342,6 @@ impl<R: Real, const SPLIT: bool, const BORDER: bool> Bent<'_, R, SPLIT, BORDER> 
     fn front<const LEFT: bool>(&self, i: usize) -> Front<R> {
         curved_at::<R, BORDER>(self.span.triangle::<LEFT, SPLIT>(i), self.bends::<LEFT>(i))
     }
-}
-
-/// Returns the earliest front at each point of a span. At least one of the fronts behind the span carries the number of
-/// its origin.
-#[inline(always)]
-fn fronts_of_origins<R: Real, const SPLIT: bool>(
-    bent: &Bent<R, SPLIT, true>,
-    origins: &SpanOrigins<R>,
-    points: usize,
-) -> FirstFronts<R> {
-    let span = &bent.span;
-    let mut first = FirstFronts::default();
-    for i in 0..points {
-        first.set(i, origins.front::<_, true>(span, bent.bends::<true>(i), i));
-    }
-    for i in 0..points {
-        let other = origins.front::<_, false>(span, bent.bends::<false>(i), i);
-        first.set(i, Front::first(first.get(i), other));
-    }
-    first
 }
 
 /// Returns the earliest front at each point of a span. The triangle through which the front more likely comes is

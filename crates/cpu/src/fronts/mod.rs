@@ -1,7 +1,7 @@
 //! Defines the kinds of fronts ([`FrontOver`]) and selects the one for a surface. `kind.rs` and `lanes.rs` define their
 //! interfaces to solvers. Each kind has a file. Code that kinds share has files of its own: `straight.rs` for planar
 //! and circular fronts, `slowed.rs` for fronts over an uneven slowness, and `surface_array.rs` and `exchange.rs` for
-//! all kinds. `origins.rs` is a part of curved fronts.
+//! all kinds.
 //!
 //! Solvers are written once, for any [`FrontKind`]. Functions that take a [`Wavefront`] use [`for_kind`],
 //! which compiles a solver for each kind.
@@ -12,7 +12,6 @@ mod curved;
 pub(super) mod exchange;
 mod kind;
 mod lanes;
-mod origins;
 mod planar;
 mod pulled;
 mod rays;

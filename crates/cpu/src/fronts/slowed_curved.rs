@@ -93,7 +93,7 @@ impl<R: Real> LaneKind<R> for SlowedCurved<R> {
         };
         first.lower(splits, start);
         let Accepted { times, curvatures, any } =
-            accept_all(&span, points, &first, options, false, changes);
+            accept_all(&span, points, &first, options, changes);
         line.set(start, &times[..points], &curvatures[..points]);
         Some(any)
     }

@@ -16,7 +16,7 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use super::around::Surroundings;
-use super::sight_lines::origins;
+use super::straight::origins;
 use geosweep_surface::update::Wavefront;
 use geosweep_surface::{Direction, Origin, Seed, Sources, Surface};
 

@@ -3,13 +3,12 @@
 //! The points that split obtuse triangles lie so far away there that the base between them has fronts of several sources
 //! at its ends anywhere, and not just near the border between two regions. Maps of several sources would be up to 60 %
 //! late and 20 % early, where those of each source alone are within a few ten-thousandths. Where cells are all alike and
-//! none is missing, straight lines are these maps.
+//! no point is missing, straight lines are these maps.
 
 use rayon::prelude::*;
 
 use super::around::arrived;
-use super::sight_lines::origins;
-use super::straight_fronts::{FirstArrival, StraightFronts};
+use super::straight::origins;
 use super::{NEAR, seeds_for};
 use crate::fronts::for_triangle_kind;
 use geosweep_surface::update::Wavefront;
@@ -22,8 +21,8 @@ const MOST_POINTS: usize = 1 << 25;
 /// A tenth of the tolerance of a map in single precision.
 const STOP: Stop = Stop::within(1e-7).or_after(1000);
 
-/// Returns exact seeds at all points that the sources reach. The result is `None` where fronts are told apart otherwise,
-/// for one source and for too many, and if some seeds come from no known origin.
+/// Returns exact seeds at all points that point sources reach, from their maps. The result is `None` where fronts are told
+/// apart otherwise, for one source and for too many, and if some seeds come from no known origin.
 pub(super) fn each_alone(
     wavefront: Wavefront,
     surface: &Surface,
@@ -34,23 +33,6 @@ pub(super) fn each_alone(
     if sources.len() < 2 || !are_known || surface.is_glued() || !surface.has_skewed_cells(NEAR) {
         return None;
     }
-    along_straight_lines(surface, &sources).or_else(|| in_own_maps(wavefront, surface, &sources))
-}
-
-/// Returns the seeds along straight lines, if these lead to all points.
-fn along_straight_lines(surface: &Surface, sources: &[Origin]) -> Option<Vec<Seed>> {
-    let fronts = StraightFronts::new(surface, sources.iter().map(|&origin| vec![origin]).collect());
-    let fronts = fronts.filter(|fronts| !fronts.has_holes())?;
-    let seed = |(at, first): ((usize, usize), Option<FirstArrival>)| {
-        let FirstArrival { time, curvature, .. } = first?;
-        let curvature = curvature.min(Seed::AT_SOURCE);
-        Some(Seed { curvature, exact: true, ..Seed::at_source(at.0, at.1, time) })
-    };
-    Some(surface.chart().places().zip(fronts.first_arrivals(None)).filter_map(seed).collect())
-}
-
-/// Returns the seeds from the maps of point sources.
-fn in_own_maps(wavefront: Wavefront, surface: &Surface, sources: &[Origin]) -> Option<Vec<Seed>> {
     let points = sources.len() * surface.chart().points();
     let are_points = sources.iter().all(Origin::is_point);
     if !are_points || sources.len() > MOST || points > MOST_POINTS {

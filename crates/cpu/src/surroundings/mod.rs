@@ -16,11 +16,8 @@
 mod around;
 mod clusters;
 mod each_alone;
-mod holes;
-mod sight_lines;
 mod skewed;
-mod straight_fronts;
-mod straight_lines;
+mod straight;
 
 use std::collections::BTreeMap;
 
@@ -31,10 +28,10 @@ use around::Surroundings;
 use clusters::around_clusters;
 use each_alone::each_alone;
 use geosweep_surface::update::{Setting, Wavefront};
-use geosweep_surface::{Direction, EdgeLengths, Origin, Real, Seed, Surface, with_diagonals};
-use sight_lines::along_sight_lines;
-use skewed::{around_skewed_cells, is_sheared};
-pub use straight_fronts::{FirstArrival, StraightFronts, straight_parts};
+use geosweep_surface::{Direction, EdgeLengths, Real, Seed, Surface, with_diagonals};
+use skewed::around_skewed_cells;
+use straight::fronts_of_seeds;
+pub use straight::{FirstArrival, StraightFronts, needed_straight_fronts, straight_parts};
 
 /// Maximum number of rows and columns around a source's cell in its surroundings. With 8, maps from inside
 /// cells take as many iterations as from grid points, or one more. With 4 they take one or two more.
@@ -115,34 +112,20 @@ fn with_surroundings(
 }
 
 /// Returns the seeds of [`with_surroundings`], given seeds with their origins. Around sources that lie close together
-/// it adds exact seeds from maps of each source alone. Where all cells are alike, it adds seeds along straight lines
-/// instead, and seeds keep their origins, which tell fronts apart.
+/// it adds exact seeds from maps of each source alone. Where all cells are alike and fronts meet, it adds exact seeds at
+/// all points that straight lines reach.
 fn with_origins(wavefront: Wavefront, surface: &Surface, mut seeds: Vec<Seed>) -> Vec<Seed> {
+    let straight = if wavefront.is_curved() { fronts_of_seeds(surface, &seeds) } else { None };
+    if let Some(fronts) = straight.as_ref().filter(|fronts| !fronts.has_holes()) {
+        return fronts.seeds();
+    }
     if let Some(exact) = each_alone(wavefront, surface, &seeds) {
         return exact;
     }
-    let of_one = |origin: Option<Origin>| seeds.iter().all(|seed| seed.origin == origin);
-    let is_lone = match seeds.first().map(|seed| seed.origin) {
-        Some(Some(origin)) => origin.is_point() && of_one(Some(origin)),
-        Some(None) => of_one(None),
-        None => true,
+    let exact = match straight {
+        Some(fronts) => fronts.seeds(),
+        None => around_clusters(wavefront, surface, &seeds),
     };
-    // The front of a lone point source need not be told apart from others. But in skewed cells, only straight lines lead
-    // to points whose triangles are split by points beyond the border. From inside a sheared cell, only they lead between
-    // points that no ray has reached yet.
-    let needs_lines = |seed: &Seed| match seed.from {
-        Some(from) => surface.skew_around(from) > 1 || is_sheared(surface, from),
-        None => surface.skew_around(seed.place()) > NEAR,
-    };
-    let has_lines =
-        (!is_lone || seeds.first().is_some_and(needs_lines)) && surface.has_even_cells();
-    if has_lines && wavefront.is_curved() {
-        let further = along_sight_lines(surface, &seeds);
-        // Fronts that keep their origin are exact in skewed cells.
-        let around = with_surroundings(wavefront, surface, seeds, false);
-        return Seed::earliest(around.into_iter().chain(further));
-    }
-    let exact = around_clusters(wavefront, surface, &seeds);
     let in_long_cells = few_in_long_cells(wavefront, surface, &seeds);
     seeds.iter_mut().for_each(|seed| seed.origin = None);
     // Of two seeds that differ by rounding, the exact one is kept.

@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 
 use glam::DVec2;
 
-use super::holes::Holes;
+use super::straight::Holes;
 use geosweep_surface::{Heading, Seed, Surface};
 
 /// Largest cosine of the angle between the sides of a cell that is not sheared.

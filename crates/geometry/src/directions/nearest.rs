@@ -83,7 +83,8 @@ impl Nearest {
         let mut places = vec![[f64::NAN; 2]; chart.points()];
         // On straight lines, no path need be traced.
         let straight = LazyCell::new(|| {
-            StraightFronts::new(surface, sources.iter().map(straight_parts).collect())
+            let parts: Vec<_> = all.iter().map(|source| straight_parts(surface, source)).collect();
+            StraightFronts::new(surface, &parts)
         });
         let foot = |index, label| straight.as_ref()?.foot(index, label);
         let mut on_curves = Vec::new();

@@ -8,6 +8,8 @@
 //! Before times are squared, the time at which the front started is subtracted: the start at the source or,
 //! for points behind the corner of a hole, the arrival at that corner. So squared times are smooth around
 //! such a corner, as they are around a source.
+//!
+//! On surfaces whose cells are all alike, the straight line that explains a point's time is its path.
 
 use std::collections::HashMap;
 
@@ -19,6 +21,7 @@ use super::stencil::{SIDE, Samples, derivative};
 use crate::copies::Copies;
 use crate::order::by_arrival;
 use crate::paths::{FirstLine, LineEnd, PathTracer};
+use geosweep_cpu::{FirstArrival, StraightFronts, straight_parts};
 use geosweep_surface::{Direction, Real, Sources, Surface, reduced_basis};
 
 /// The back direction of one grid point.
@@ -43,6 +46,10 @@ const ALIKE: f64 = 0.985;
 /// The largest cosine of the angle between two lines that counts as a bend.
 const BENT: f64 = 0.9995;
 
+/// The largest part of a straight line by which its length may differ from a time that it explains, and the largest part
+/// of the time that is rounding.
+const EXPLAINED: [f64; 2] = [1e-3, 1e-6];
+
 /// A map with the paths through it.
 pub(super) struct Ways<'a> {
     pub surface: &'a Surface,
@@ -65,10 +72,14 @@ impl Ways<'_> {
             counts.then(|| self.paths.first_line(point, start))?
         });
         let zero_times = self.zero_times(&lines, start);
+        let straight = self.straight_ways();
         let way = |index: usize| {
             let point = chart.bordered_point(index);
             if !self.is_reached(point) || self.copies.first(point) != point {
                 return (point, Way::Unreached);
+            }
+            if let Some(way) = straight.as_ref().and_then(|ways| ways[index]) {
+                return (point, way);
             }
             let zero_time = zero_times.as_ref().map_or(start, |zero_times| zero_times[index]);
             let line = match lines[index] {
@@ -105,6 +116,29 @@ impl Ways<'_> {
             }
         }
         (ways, at_poles)
+    }
+
+    /// Returns the back directions along straight lines, row-major, at the points whose times these explain. Returns
+    /// `None` if cells differ.
+    fn straight_ways(&self) -> Option<Vec<Option<Way>>> {
+        let parts: Vec<_> =
+            self.sources.iter().map(|source| straight_parts(self.surface, source)).collect();
+        let fronts = StraightFronts::new(self.surface, &parts)?;
+        let time = |point| if self.is_reached(point) { self.times[point] } else { f32::INFINITY };
+        let map = self.at_points(time);
+        let arrivals = fronts.first_arrivals(Some(&map)).into_iter().enumerate();
+        let way = |(index, first): (usize, Option<FirstArrival>)| {
+            let (first, time) = (first?, f64::from(map[index]));
+            let late = (time - first.time).abs();
+            let [of_line, of_time] = EXPLAINED;
+            let is_explained =
+                late <= of_line * (first.time - first.origin.start) + of_time * time.abs();
+            let (row, col) = self.surface.chart().position(index);
+            let step = first.foot - DVec2::new(row as f64, col as f64);
+            let along = Way::Along { step: step.as_vec2(), to_source: true };
+            is_explained.then_some(if step == DVec2::ZERO { Way::AtSource } else { along })
+        };
+        Some(arrivals.map(way).collect())
     }
 
     /// Returns the back direction in space at a pole, where rows and columns have no common plane. It is the direction

@@ -50,7 +50,8 @@ impl<'a> Fronts<'a> {
     ) -> Result<(Self, Vec<u32>), MapError> {
         sources.seeds(surface)?;
         bordered(surface.chart(), distances)?;
-        let straight = StraightFronts::new(surface, sources.iter().map(straight_parts).collect());
+        let parts: Vec<_> = sources.iter().map(|source| straight_parts(surface, source)).collect();
+        let straight = StraightFronts::new(surface, &parts);
         let found = straight.as_ref().map(|straight| straight_labels(straight, distances));
         let is_left = |(label, time): (&u32, &f32)| *label == NO_REGION && time.is_finite();
         let are_left = |labels: &Vec<u32>| labels.iter().zip(distances).any(is_left);

@@ -4,12 +4,29 @@ use glam::DVec2;
 
 use super::super::Surface;
 use super::lattice::Lattice;
-use super::{GluingError, UNGLUED};
+use super::{Gluing, GluingError, UNGLUED};
 
 /// The distance, in cells, up to which two places of the grid count as one.
 const SAME: f64 = 1e-6;
 
 impl Surface {
+    /// Returns the steps of the chart after which the surface repeats, which are none on an open surface. The result is
+    /// `None` if it has seams that are no such steps.
+    #[doc(hidden)]
+    pub fn periods(&self) -> Option<Vec<DVec2>> {
+        let Some(glued) = &self.glued else { return Some(Vec::new()) };
+        let gluing = match (glued.lattice.cols, glued.lattice.rows) {
+            (Some(false), None) => Gluing::columns(),
+            (None, Some(false)) => Gluing::rows(),
+            (Some(false), Some(false)) => Gluing::both(),
+            _ => return None,
+        };
+        let (last_row, last_col) = self.chart.last();
+        let along_rows = glued.lattice.cols.map(|_| DVec2::new(0.0, last_col as f64));
+        let along_cols = glued.lattice.rows.map(|_| DVec2::new(last_row as f64, 0.0));
+        self.is_glued_by(&gluing).then(|| along_rows.into_iter().chain(along_cols).collect())
+    }
+
     /// Returns all copies of a place of a glued surface, the place itself included, in ascending order of rows and
     /// columns. A place between two neighbouring points of a seam has its copies between copies of these points.
     #[doc(hidden)]

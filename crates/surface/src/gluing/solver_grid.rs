@@ -32,6 +32,12 @@ impl Surface {
         if lattice != Lattice::default() && self.has_obtuse_triangles_beside(lattice) {
             return self.wider_grid(lattice);
         }
+        self.own_grid()
+    }
+
+    /// Returns the grid itself, for solvers that need no points beyond seams.
+    #[doc(hidden)]
+    pub fn own_grid(&self) -> SolverGrid<'_> {
         SolverGrid { surface: Cow::Borrowed(self), chart: self.chart, first: (0, 0) }
     }
 

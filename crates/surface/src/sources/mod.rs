@@ -114,22 +114,19 @@ impl Sources {
     /// Returns the seeds of [`Self::seeds`], with the straight source from which each seed's front comes
     /// ([`Seed::origin`]).
     ///
-    /// With these origins, curved fronts of several sources are exact over even grids, whatever the shape of their
-    /// cells: where two fronts meet, each one continues separately. Over grids whose cells change from point to point,
-    /// the fronts follow straight lines of the chart near the sources, and maps may be less accurate than from
-    /// [`Self::seeds`].
+    /// From the origins, the crate finds straight lines and sources that lie close together. Solvers do not use them.
     ///
     /// ```
-    /// use geosweep::cpu::RotatedScan;
+    /// use geosweep::cpu::{RotatedScan, seeds_for};
     /// use geosweep::surface::EdgeLengths;
     /// use geosweep::{Sources, Spacing, Stop, Surface, Wavefront};
     ///
     /// let surface = Surface::from_heights(9, 9, vec![0.0; 81], Spacing { dx: 1.0, dy: 2.0 })?;
     /// let sources = Sources::point(4.0, 4.0).and_point(5.0, 4.0, 0.0);
+    /// let seeds = seeds_for(Wavefront::Curved, &surface, sources.seeds_with_origins(&surface)?);
     /// let edges = EdgeLengths::<f32>::new(&surface)?;
     /// let mut solver = RotatedScan::new(&edges, Wavefront::Curved);
-    /// let stop = Stop::within(1e-6).or_after(100);
-    /// solver.solve(&sources.seeds_with_origins(&surface)?, stop);
+    /// solver.solve(&seeds, Stop::within(1e-6).or_after(100));
     /// assert!((solver.distances()[4 * 9 + 6] - 2.0).abs() < 1e-6);
     /// # Ok::<(), geosweep::Error>(())
     /// ```

@@ -5,9 +5,7 @@ use glam::DVec2;
 /// A source that is a point or a straight segment of the chart. All fronts around it, including the circular
 /// ones around its ends, have this source as their origin and start at the same time.
 ///
-/// Over an even grid the arrival time of its front is the start plus the distance to the segment. The curved
-/// update needs origins where fronts of several sources meet: two fronts that arrive together with equal
-/// curvature belong to one circle only if they have one origin.
+/// Over an even grid the arrival time of its front is the start plus the distance to the segment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Origin {
     /// Rows and columns of both ends. They are equal for a point.
@@ -35,7 +33,8 @@ impl Origin {
     }
 
     /// Returns this origin with rows and columns that are larger by `by`.
-    pub(crate) fn moved(self, by: DVec2) -> Self {
+    #[doc(hidden)]
+    pub fn moved(self, by: DVec2) -> Self {
         Self { ends: self.ends.map(|end| end + by), ..self }
     }
 

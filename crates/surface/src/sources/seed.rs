@@ -57,9 +57,6 @@ impl Heading {
     }
 }
 
-/// Relative tolerance of the difference between a seed's time and the length of the line to its origin.
-const OFF_LINE: f64 = 1e-3;
-
 /// Error of a curved update in units in the last place of the arrival time: the rounding of a height over a base, and
 /// of a sum.
 const SURELY_FIRST: f64 = 8.0;
@@ -103,11 +100,7 @@ impl Seed {
     #[doc(hidden)]
     pub fn is_lost<R: Real>(&self, time: R) -> bool {
         let start = R::of(self.time);
-        // Fronts that carry their origin start along the line from the origin, measured in one of the
-        // engine's triangles.
-        let rounding =
-            R::of(if self.origin.is_some() { OFF_LINE } else { 8.0 * R::epsilon().wide() });
-        time - start > start.abs() * rounding
+        time - start > start.abs() * (R::of(8.0) * R::epsilon())
     }
 
     /// Returns the earliest seed of each point, in row-major order.

@@ -2,8 +2,8 @@
 
 use super::{Shape, Triangle};
 use crate::constants::{
-    ABOUT_STRAIGHT, ALONG_BASE, BENT_AGAIN, BENT_APART, CLEARLY_LATER, FAN, FIRST_ORIGIN, FOCUS,
-    FROM_SOURCE, GRAZING, STRADDLING, TOGETHER,
+    ABOUT_STRAIGHT, ALONG_BASE, BENT_AGAIN, BENT_APART, CLEARLY_LATER, FAN, FOCUS, FROM_SOURCE,
+    GRAZING, STRADDLING, TOGETHER,
 };
 use crate::{DIFFRACTS, LACKING, Real, Seed, Tagged, max, min};
 
@@ -232,9 +232,7 @@ pub(super) fn traced<R: Real, const BORDER: bool>(
     let share = crossing * spread * per;
     let ray = if inside { c * (root * h * spread * per) } else { edge };
     let gaussian = if inside { g + share * (near_g - g) } else { edge_g };
-    // Curvatures stay above the numbers of origins, which may stand in their place.
-    let least = R::of(-0.5 * FIRST_ORIGIN);
-    let curvature = max(bent(dividend * per, half * (g0 + gaussian), ray), least);
+    let curvature = bent(dividend * per, half * (g0 + gaussian), ray);
     let front = Front { time: if inside { time } else { edge_time }, curvature, whole };
     let along = kappa * p - cos_a;
     let (side, other) = (shape.side, shape.other);

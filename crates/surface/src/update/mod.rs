@@ -16,7 +16,6 @@ mod curved;
 mod inside;
 mod planar;
 mod rays;
-mod sight;
 mod slowed;
 mod wavefront;
 
@@ -42,8 +41,6 @@ pub use inside::InsideSources;
 pub use planar::planar;
 #[doc(hidden)]
 pub use rays::{FrontOfOne, RayApex, RayEnd, RayFront, of_one_front, rays};
-#[doc(hidden)]
-pub use sight::{Sighted, Steps, curved_from_origins, line_to};
 #[doc(hidden)]
 pub use slowed::{
     curved_slowed, curved_slowed_at, is_settled as is_settled_slowed, is_uneven, planar_slowed,

@@ -93,6 +93,7 @@ impl Wavefront {
             Some(Self::Curved) if setting.has_rays() => Ok(Self::Rays),
             Some(wavefront) => Ok(wavefront),
             None if engine == EngineKind::FastMarching => Ok(Self::Planar),
+            None if setting.is_map() && setting.are_straight => Ok(Self::Curved),
             None if setting.is_map() && setting.has_anchors().is_ok() => Ok(Self::Anchored),
             None if is_rough => Ok(Self::Planar),
             None if setting.has_rays() => Ok(Self::Rays),
@@ -157,8 +158,10 @@ pub struct Setting {
     /// Whether the surface has a slowness that is not the same everywhere.
     pub is_slowed_unevenly: bool,
     /// Whether fronts of several sources, or a front and itself, may meet on the surface, and straight lines do not tell
-    /// them apart. Cells that are all alike have no need of rays if no point is missing.
+    /// them apart.
     pub fronts_meet: bool,
+    /// Whether such fronts run along straight lines of the chart: all cells are alike, and no point is missing.
+    pub are_straight: bool,
     pub sources: SourceKind,
     pub engine: EngineKind,
 }
@@ -236,13 +239,20 @@ impl Setting {
         let meet = sources.are_several() || surface.is_glued();
         // In the thin cells around a pole, rays that leave a curve come up to a cell early.
         let from_beside_pole = sources == SourceKind::Curves && surface.has_poles();
-        // Straight lines tell fronts apart where no hole bends them.
-        let are_straight = || surface.is_whole() && surface.has_even_cells();
+        let are_straight = meet && surface.is_whole() && surface.has_even_cells();
         // Where points that split triangles lie far away, rays come early, and do not settle.
         let fronts_meet = meet
             && !(is_slowed_unevenly || from_beside_pole)
-            && !(surface.has_skewed_cells(SKEWED_MOST) || are_straight());
-        Self { is_floor_plan, is_rough, is_slowed_unevenly, fronts_meet, sources, engine }
+            && !(are_straight || surface.has_skewed_cells(SKEWED_MOST));
+        Self {
+            is_floor_plan,
+            is_rough,
+            is_slowed_unevenly,
+            fronts_meet,
+            are_straight,
+            sources,
+            engine,
+        }
     }
 
     /// Makes the setting of an engine that is given edges and seeds. Such an engine knows nothing of the
@@ -254,6 +264,7 @@ impl Setting {
             is_rough: false,
             is_slowed_unevenly: false,
             fronts_meet: false,
+            are_straight: false,
             sources: SourceKind::POINT,
             engine: EngineKind::Map,
         }

@@ -5,7 +5,7 @@ use glam::DVec2;
 use geosweep_surface::{Chart, Surface};
 
 /// The missing points of a surface, counted so that rectangles of points without any are found at once.
-pub(super) struct Holes {
+pub(in super::super) struct Holes {
     chart: Chart,
     /// The number of missing points above and left of each corner of the chart's (M + 1) x (N + 1) corners.
     before: Vec<u32>,
@@ -13,7 +13,7 @@ pub(super) struct Holes {
 
 impl Holes {
     /// Returns `None` if no point is missing.
-    pub(super) fn of(surface: &Surface) -> Option<Self> {
+    pub(in super::super) fn of(surface: &Surface) -> Option<Self> {
         let chart = surface.chart();
         if surface.is_whole() {
             return None;
@@ -30,7 +30,7 @@ impl Holes {
     }
 
     /// Returns whether a corner of a cell that the straight line between two places passes is missing.
-    pub(super) fn are_between(&self, a: DVec2, b: DVec2) -> bool {
+    pub(in super::super) fn are_between(&self, a: DVec2, b: DVec2) -> bool {
         if !self.are_in(a, b) {
             return false;
         }

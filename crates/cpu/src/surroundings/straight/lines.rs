@@ -2,8 +2,7 @@
 
 use glam::DVec2;
 
-use super::around::Surroundings;
-use geosweep_surface::{Direction, EdgeLengths, Origin, Real, Surface};
+use geosweep_surface::Origin;
 
 /// The straight lines of the chart over cells that are all alike. Where no hole is in between, they are shortest paths.
 #[derive(Clone, Copy, Debug)]
@@ -24,11 +23,9 @@ pub(super) struct StraightLine {
 }
 
 impl StraightLines {
-    /// Returns the lines over cells like those around a place. The result is `None` if edges there are too long or too
-    /// short.
-    pub(super) fn around(surface: &Surface, at: DVec2) -> Option<Self> {
-        let around = Surroundings::new(surface, at, [1, 1]);
-        Some(Self { metric: metric(around.edges()?) })
+    /// Returns the lines under a metric ([`geosweep_surface::Surface::even_metric`]).
+    pub(super) fn of(metric: [f64; 3]) -> Self {
+        Self { metric }
     }
 
     /// Returns the length of the straight line over `step` rows and columns.
@@ -50,30 +47,8 @@ impl StraightLines {
     }
 
     #[inline]
-    fn dot(&self, a: DVec2, b: DVec2) -> f64 {
+    pub(super) fn dot(&self, a: DVec2, b: DVec2) -> f64 {
         let [rr, rc, cc] = self.metric;
         a.x * (rr * b.x + rc * b.y) + a.y * (rc * b.x + cc * b.y)
     }
-}
-
-/// Returns the metric of cells that are all alike, from the lengths of edges in the middle of a part of the
-/// surface. It is 1 in directions that have no edges. The middle is used since arcs at the sides of the part differ
-/// from those of the whole surface.
-fn metric<R: Real>(edges: &EdgeLengths<R>) -> [f64; 3] {
-    let chart = edges.chart();
-    let from_middle = |&(row, col): &(usize, usize)| {
-        (2 * row).abs_diff(chart.rows - 1).max((2 * col).abs_diff(chart.cols - 1))
-    };
-    let mut places: Vec<_> = chart.places().collect();
-    places.sort_by_key(from_middle);
-    let length = |to: Direction| {
-        let mut all = places.iter().map(|&(row, col)| edges.length(row, col, to));
-        all.find(|length| *length < R::FAR).map(R::wide)
-    };
-    let square = |to| length(to).map(|length| length * length);
-    let (rr, cc) =
-        (square(Direction::South).unwrap_or(1.0), square(Direction::East).unwrap_or(1.0));
-    let falling = square(Direction::SouthEast).map(|square| 0.5 * (square - rr - cc));
-    let rising = square(Direction::SouthWest).map(|square| 0.5 * (rr + cc - square));
-    [rr, falling.or(rising).unwrap_or(0.0), cc]
 }
