@@ -89,15 +89,13 @@ fn a_front_that_meets_itself_on_flat_closed_surfaces_is_exact() {
         for _ in 0..3 {
             let surface = flat(41, 65).with_gluing(gluing.clone()).unwrap();
             let sources = places(&mut random, 41, 65, 2, 4.0);
-            let map = distance_map(&surface, &points(&sources), &Options::default()).unwrap();
-            assert_eq!(map.report.wavefront, Wavefront::Rays);
+            let found = rays::<f32>(&surface, &points(&sources));
             let exact = |index| {
                 let (row, col) = surface.chart().position(index);
                 let ways =
                     sources.iter().flat_map(|&from| shape.ways(from, [row as f64, col as f64]));
                 ways.map(|way| way.length()).fold(f64::INFINITY, f64::min)
             };
-            let found: Vec<_> = map.distances.iter().map(|&d| f64::from(d)).collect();
             let [early, late] = errors(&found, exact);
             // The largest errors are where fronts meet at a small angle, so that both count as one in part.
             assert!(early < 0.01 && late < 0.02, "{name} {sources:?}: {early:e} {late:e}");

@@ -3,10 +3,9 @@
 
 use geosweep::geometry::{BackDirections, NO_REGION, Voronoi};
 use geosweep::glam::{DMat2, DVec2};
-use geosweep::surface::{EdgeLengths, MetricTensor};
+use geosweep::surface::{EdgeLengths, Gluing, MetricTensor};
 use geosweep::{
-    Gluing, MapSolver, Options, Source, Sources, Spacing, Surface, Targets, distance_map,
-    distance_map_f64,
+    MapSolver, Options, Source, Sources, Spacing, Surface, Targets, distance_map, distance_map_f64,
 };
 use proptest::prelude::*;
 

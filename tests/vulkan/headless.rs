@@ -5,13 +5,13 @@ use geosweep::cpu::Solution;
 use geosweep::cpu::twins::{self, Rounds};
 use geosweep::glam::DVec3;
 use geosweep::surface::builtin::Builtin;
-use geosweep::surface::{EdgeLengths, Seed};
+use geosweep::surface::{EdgeLengths, Gluing, Seed};
 use geosweep::vulkan::plan::Step;
 use geosweep::vulkan::{
     HeadlessSolver, Method, Schedule, TexelChart, Tuning, VulkanError, devices,
 };
 use geosweep::{
-    DeviceChoice, Engine, Gluing, MetricTensor, Options, Sources, Surface, UsedEngine, Wavefront,
+    DeviceChoice, Engine, MetricTensor, Options, Sources, Surface, UsedEngine, Wavefront,
     distance_map,
 };
 

@@ -43,7 +43,8 @@ const EXACTLY: f64 = 1.0 - 1e-6;
 impl Surface {
     /// Returns the place whose cells are skewed most, if that is too much for updates: if the axes of the metric have a
     /// ratio above 30, not along rows or columns, or above about 10 on a glued surface. It looks at some thousands of
-    /// points. The result is `None` if all cells are alike, since fronts then keep their origin.
+    /// points. The result is `None` if all cells are alike, since arrival times then are lengths of straight
+    /// lines.
     pub fn unresolved(&self) -> Option<Unresolved> {
         let MostSkewed { at: (row, col), needed } = *self.most_skewed();
         let seen = if self.is_glued() { SPLIT_REACH } else { FARTHEST_SPLIT } as usize;

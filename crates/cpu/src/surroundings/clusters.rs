@@ -7,8 +7,7 @@
 //! from the sources. So each source's front is solved alone for some cells. The earliest fronts become seeds, and no
 //! front through a triangle replaces them ([`Seed::exact`]).
 //!
-//! Where all cells are alike this is not needed: there the numbers of origins tell fronts apart
-//! (`crates/surface/src/update/sight.rs`).
+//! Where all cells are alike this is not needed: there straight lines tell fronts apart (`straight/`).
 
 use std::collections::{BTreeMap, BTreeSet};
 
