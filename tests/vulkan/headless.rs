@@ -367,8 +367,8 @@ fn straight_lines_give_the_maps_of_every_schedule() {
             let options = options.with_schedule(schedule);
             let map = distance_map(&surface, &sources, &options).unwrap();
             assert_eq!((map.report.engine, map.report.converged), (UsedEngine::Vulkan, true));
-            // On the CPU, fronts carry their ray behind holes.
-            let most = if is_whole { 1e-6 } else { 3e-3 };
+            // Behind holes, fronts carry their ray on the CPU and their curvature on a device.
+            let most = if is_whole { 1e-6 } else { 5e-3 };
             let apart = difference(&map.distances, &cpu.distances);
             assert!(apart < most, "{schedule:?}, {is_whole}: {apart}");
         }
