@@ -48,7 +48,7 @@ const BENT: f64 = 0.9995;
 
 /// The largest part of a straight line by which its length may differ from a time that it explains, and the largest part
 /// of the time that is rounding.
-const EXPLAINED: [f64; 2] = [1e-3, 1e-6];
+const EXPLAINED: [f64; 2] = [1e-5, 1e-6];
 
 /// A map with the paths through it.
 pub(super) struct Ways<'a> {
