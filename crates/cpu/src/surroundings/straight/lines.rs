@@ -11,6 +11,9 @@ pub(super) struct StraightLines {
     metric: [f64; 3],
 }
 
+/// The largest part of a segment and of the way to its end that is rounding.
+const ROUNDING: f64 = 1e-13;
+
 /// The straight line from the nearest point of an origin.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct StraightLine {
@@ -43,12 +46,41 @@ impl StraightLines {
         let share = if square > 0.0 { self.dot(at - a, along) / square } else { 0.0 };
         let foot = a + share.clamp(0.0, 1.0) * along;
         let is_beside = square > 0.0 && (0.0..=1.0).contains(&share);
-        StraightLine { foot, length: self.length(at - foot), is_beside }
+        let length = self.length(at - foot);
+        // A point on the segment is a source, and the rounding of its foot no way.
+        if square > 0.0 && length <= ROUNDING * (self.length(at - a) + square.sqrt()) {
+            return StraightLine { foot: at, length: 0.0, is_beside };
+        }
+        StraightLine { foot, length, is_beside }
     }
 
     #[inline]
     pub(super) fn dot(&self, a: DVec2, b: DVec2) -> f64 {
         let [rr, rc, cc] = self.metric;
         a.x * (rr * b.x + rc * b.y) + a.y * (rc * b.x + cc * b.y)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn points_on_a_segment_are_sources() {
+        let lines = StraightLines::of([900.0, 120.0, 2500.0]);
+        let end = |row: f64, col: f64| DVec2::new(row, col);
+        for [a, b] in [
+            [end(20.0, 0.0), end(20.0, 41.0)],
+            [end(3.1, 0.7), end(33.1, 30.7)],
+            [end(1.0, 2.0), end(17.0, 7.0)],
+        ] {
+            let origin = Origin { ends: [a, b], start: 0.0 };
+            for k in 0..=41 {
+                let share = f64::from(k) / 41.0;
+                assert_eq!(lines.from(&origin, a + share * (b - a)).length, 0.0, "{a} {b} {k}");
+                let beside = lines.from(&origin, a + share * (b - a) + end(1e-6, 0.0)).length;
+                assert!(beside > 0.0, "{a} {b} {k}");
+            }
+        }
     }
 }
