@@ -233,7 +233,7 @@ impl Surface {
     /// Sets the rule by which edges are measured.
     pub fn with_edge_rule(mut self, edge_rule: EdgeRule) -> Self {
         self.edge_rule = edge_rule;
-        // What is known depends on the lengths of edges.
+        // The facts that a surface keeps were found with other lengths of edges.
         self.known = Known::default();
         self
     }

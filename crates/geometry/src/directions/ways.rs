@@ -46,8 +46,8 @@ const ALIKE: f64 = 0.985;
 /// The largest cosine of the angle between two lines that counts as a bend.
 const BENT: f64 = 0.9995;
 
-/// The largest part of a straight line by which its length may differ from a time that it explains, and the largest part
-/// of the time that is rounding.
+/// Largest difference between the length of a straight line and a time that it explains: a part of the length for errors
+/// of the map, and a part of the time for rounding.
 const EXPLAINED: [f64; 2] = [1e-5, 1e-6];
 
 /// A map with the paths through it.

@@ -279,7 +279,7 @@ mod tests {
         vec![Origin::point(DVec2::new(row, col), start)]
     }
 
-    /// Tiles look at all sources that may be the first at one of their points.
+    /// Blocks look at all sources that may be the first at one of their points.
     #[test]
     fn first_arrivals_are_those_of_all_sources() {
         let surface = plane(50, 41);

@@ -11,7 +11,7 @@ pub(super) struct StraightLines {
     metric: [f64; 3],
 }
 
-/// The largest part of a segment and of the way to its end that is rounding.
+/// Rounding of a foot, as a part of the segment's length and of the distance to its end.
 const ROUNDING: f64 = 1e-13;
 
 /// The straight line from the nearest point of an origin.
@@ -47,7 +47,7 @@ impl StraightLines {
         let foot = a + share.clamp(0.0, 1.0) * along;
         let is_beside = square > 0.0 && (0.0..=1.0).contains(&share);
         let length = self.length(at - foot);
-        // A point on the segment is a source, and the rounding of its foot no way.
+        // A point on the segment is a source. The rounding of its foot must not count as a distance.
         if square > 0.0 && length <= ROUNDING * (self.length(at - a) + square.sqrt()) {
             return StraightLine { foot: at, length: 0.0, is_beside };
         }
