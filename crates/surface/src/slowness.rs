@@ -6,7 +6,7 @@
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-use super::chart::{Cell, Chart, bilinear};
+use super::chart::{Cell, bilinear};
 use super::error::check_shape;
 use super::geometry::{Geometry, MetricTensor, Point};
 use super::inputs::Inputs;
@@ -130,33 +130,6 @@ impl Surface {
         }
     }
 
-    /// Returns whether the slowness jumps all over the surface: by more than a quarter along a twentieth of
-    /// the edges of rows and columns.
-    ///
-    /// The threshold was measured on random blocks of 5 x 5 and on blobs, at 40 x 40 points with contrasts of 3 to
-    /// 1000. Distances from one point to another and back differ by a mean of 4e-4 to 9e-4 with planar fronts, and by
-    /// two to four times as much with curved fronts, which arrive earlier where they come from slow regions.
-    pub(crate) fn is_slowed_in_patches(&self) -> bool {
-        if !self.is_slowed_unevenly() {
-            return false;
-        }
-        let Chart { rows, cols } = self.chart;
-        let in_row = |row: usize| {
-            let mut lines = [vec![f64::NAN; cols], vec![f64::NAN; cols]];
-            self.write_row(row, &mut lines[0]);
-            if row + 1 < rows {
-                self.write_row(row + 1, &mut lines[1]);
-            }
-            let [line, next] = &lines;
-            let below = count_jumps(line, next);
-            let beside = count_jumps(&line[..cols - 1], &line[1..]);
-            [below[0] + beside[0], below[1] + beside[1]]
-        };
-        let sum = |a: [usize; 2], b: [usize; 2]| [a[0] + b[0], a[1] + b[1]];
-        let [edges, jumps] = (0..rows).into_par_iter().map(in_row).reduce(|| [0; 2], sum);
-        PATCHES * jumps > edges
-    }
-
     /// Returns whether lengths are weighted by a slowness.
     pub(super) fn is_weighted(&self) -> bool {
         self.inputs.slowness.is_some()
@@ -191,11 +164,15 @@ impl Surface {
     /// Returns the factor by which lengths between a grid point and a place are multiplied.
     pub(super) fn weight_between(&self, (row, col): (usize, usize), at: DVec2) -> f64 {
         let of_point = self.slowness_of(self.chart.index(row, col));
-        if self.is_weighted() { 0.5 * (of_point + self.slowness_near(at)) } else { 1.0 }
+        0.5 * (of_point + self.slowness_near(at))
     }
 
-    /// Returns the slowness between grid points, bilinear over the corners that are present.
-    fn slowness_near(&self, at: DVec2) -> f64 {
+    /// Returns the slowness between grid points, bilinear over the corners that are present; 1 without a slowness.
+    #[doc(hidden)]
+    pub fn slowness_near(&self, at: DVec2) -> f64 {
+        if !self.is_weighted() {
+            return 1.0;
+        }
         let cell = Cell::of((at.x as usize, at.y as usize));
         let (sum, weights) = bilinear(at.x.fract(), at.y.fract())
             .into_iter()
@@ -230,16 +207,6 @@ fn differ(a: f64, b: f64) -> bool {
     (a > EVEN_SLOWNESS * b) | (b > EVEN_SLOWNESS * a)
 }
 
-/// Returns the number of pairs of present points, and the number of those between which the slowness jumps.
-fn count_jumps(line: &[f64], others: &[f64]) -> [usize; 2] {
-    let (mut edges, mut jumps) = (0, 0);
-    for (&a, &b) in line.iter().zip(others) {
-        edges += usize::from(!(a + b).is_nan());
-        jumps += usize::from(differ(a, b));
-    }
-    [edges, jumps]
-}
-
 /// Sets a tag to [`JUMPS`] where the slowness jumps at a point of a row that is present: where it differs from the
 /// slowness of a neighbour by more than a quarter, or where its second difference along a line of points is large. The
 /// second differences of a smooth slowness are small. `rows` are the rows before, at and after it, with one point of the
@@ -262,9 +229,6 @@ fn mark_jumps(rows: [&[f64]; 3], tags: &mut [u8]) {
         *tag = if jumps { JUMPS } else { 0 };
     }
 }
-
-/// Reciprocal of the share of edges with a jump above which a slowness counts as patches: one edge in twenty.
-const PATCHES: usize = 20;
 
 /// Slowness of free travel, relative to the least positive slowness.
 const FREE: f64 = crate::constants::FREE;

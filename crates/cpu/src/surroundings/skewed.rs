@@ -1,8 +1,9 @@
-//! Adds seeds around sources inside sheared and skewed cells.
+//! Adds seeds around sources inside sheared and skewed cells, and around all sources inside cells over a slowness.
 //!
-//! Between the corners of such a cell, rays of a source inside it cross bases whose ends no ray has reached yet. The
-//! points around the cell, as far away as those that split obtuse triangles, are close enough to the source for straight
-//! lines of the chart. The length of any line is an upper bound of the distance, so no seed is early.
+//! Between the corners of such a cell, rays of a source inside it cross bases whose ends no ray has reached yet. Over a
+//! slowness, fronts do not know a source that lies close to the base which its rays cross. The points around the cell,
+//! as far away as those that split obtuse triangles, are close enough to the source for straight lines of the chart. The
+//! length of any line is an upper bound of the distance, so no seed is early.
 
 use std::cell::LazyCell;
 use std::collections::BTreeMap;
@@ -10,17 +11,18 @@ use std::collections::BTreeMap;
 use glam::DVec2;
 
 use super::straight::Holes;
-use geosweep_surface::{Heading, Seed, Surface};
+use geosweep_surface::{Heading, Seed, Surface, grid_crossings};
 
 /// Largest cosine of the angle between the sides of a cell that is not sheared.
 const SHEARED: f64 = 0.1;
 /// Number of pieces of a line per row or column, whose lengths are added up.
 const PIECES: f64 = 4.0;
 
-/// Returns the seeds with those around sources inside skewed and sheared cells. Each point has its earliest seed.
+/// Returns the seeds with those around sources inside such cells. Each point has its earliest seed.
 pub(super) fn around_skewed_cells(surface: &Surface, seeds: Vec<Seed>) -> Vec<Seed> {
-    // A line in which the slowness changes has no known time.
-    if surface.is_slowed_unevenly() {
+    let is_slowed = surface.is_slowed_unevenly();
+    // A metric whose scale counts as a slowness has no known time along a line.
+    if is_slowed && surface.slowness().is_none() {
         return seeds;
     }
     let mut sources = BTreeMap::new();
@@ -33,7 +35,7 @@ pub(super) fn around_skewed_cells(surface: &Surface, seeds: Vec<Seed>) -> Vec<Se
     let holes = LazyCell::new(|| Holes::of(surface));
     let around = |(from, seed)| {
         let skew = if surface.is_glued() { 1 } else { surface.skew_around(from) };
-        if skew == 1 && !is_sheared(surface, from) {
+        if skew == 1 && !is_slowed && !is_sheared(surface, from) {
             return Vec::new();
         }
         on_lines(surface, holes.as_ref(), from, seed, skew)
@@ -63,7 +65,7 @@ fn on_lines(
     reach: usize,
 ) -> Vec<Seed> {
     let Some(start) = known.origin.map(|origin| origin.start) else { return Vec::new() };
-    let length = |to: DVec2| {
+    let across_cell = |from: DVec2, to: DVec2| {
         let pieces = ((to - from).abs().max_element() * PIECES).ceil();
         let place = |piece: f64| surface.place(from.lerp(to, piece / pieces));
         let mut sum = 0.0;
@@ -71,10 +73,17 @@ fn on_lines(
             let (before, after) = (place(piece as f64 - 1.0)?, place(piece as f64)?);
             sum += before.length_to(after);
         }
-        Some(sum)
+        // A line across a cell costs the mean slowness of its ends, as in the updates.
+        Some(sum * 0.5 * (surface.slowness_near(from) + surface.slowness_near(to)))
+    };
+    let length = |to: DVec2| {
+        let cuts = grid_crossings(from, to);
+        cuts.windows(2)
+            .map(|ends| across_cell(from.lerp(to, ends[0]), from.lerp(to, ends[1])))
+            .sum()
     };
     // The edges may be measured along the surface, and weighted by a slowness.
-    let Some(known_length) = length(known.place()) else { return Vec::new() };
+    let Some(known_length): Option<f64> = length(known.place()) else { return Vec::new() };
     let scale = (known.time - start) / known_length;
     let seed = |(row, col): (usize, usize)| {
         let step = DVec2::new(row as f64, col as f64) - from;

@@ -64,6 +64,7 @@ impl CellLengths {
     }
 
     /// Returns the cost of a straight line between two places whose squared distance is given.
+    #[inline]
     pub(super) fn cost(&self, square: f64, a: &Weights, b: &Weights) -> f64 {
         let length = square.max(0.0).sqrt();
         match &self.slowness {
@@ -97,9 +98,13 @@ impl CellLengths {
     }
 
     /// Returns the squared distance between two places.
+    #[inline]
     pub(super) fn square(&self, a: &Weights, b: &Weights) -> f64 {
-        let apart = std::array::from_fn(|k| a[k] - b[k]);
-        (-0.5 * dot(&self.squares().map(|row| dot(&row, &apart)), &apart)).max(0.0)
+        let (d, l) = ([a[0] - b[0], a[1] - b[1], a[2] - b[2], a[3] - b[3]], &self.lengths);
+        // The sum over all pairs of corners, in the order of `STORED_AT`.
+        let first = d[0] * (l[0] * l[0] * d[1] + l[1] * l[1] * d[2] + l[2] * l[2] * d[3]);
+        let others = d[1] * (l[3] * l[3] * d[2] + l[4] * l[4] * d[3]) + d[2] * d[3] * l[5] * l[5];
+        (-(first + others)).max(0.0)
     }
 }
 
@@ -117,6 +122,7 @@ pub(super) fn corner_alone(corner: usize) -> Weights {
     std::array::from_fn(|k| if k == corner { 1.0 } else { 0.0 })
 }
 
+#[inline]
 fn dot(a: &[f64; 4], b: &[f64; 4]) -> f64 {
     (a[0] * b[0] + a[1] * b[1]) + (a[2] * b[2] + a[3] * b[3])
 }

@@ -135,6 +135,22 @@ impl Goals {
     }
 }
 
+impl Goals {
+    /// Returns the point sources in a cell, at a distance that is not known yet.
+    pub(super) fn points(&self, north_west: usize) -> impl Iterator<Item = NearestSource> {
+        let goals = self.touches(north_west).then(|| self.by_cell.get(&north_west)).flatten();
+        let points =
+            goals.into_iter().flatten().filter(|goal| goal.part.ends[0] == goal.part.ends[1]);
+        points.map(|&Goal { source, initial, part: SourcePart { ends, own }, .. }| NearestSource {
+            source,
+            at: ends[0],
+            own: own[0],
+            time: initial,
+            distance: f64::INFINITY,
+        })
+    }
+}
+
 impl Goal {
     fn nearest(&self, cell: &CellLengths, place: &Weights) -> NearestSource {
         let [first, last] = self.weights.map(|end| cell.square(place, &end));

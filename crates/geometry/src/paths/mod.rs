@@ -13,12 +13,13 @@
 //!
 //! Where wavefronts meet, the map's values are too early, and a path from there would run along the cut
 //! locus. A path that turns out longer than the map's value is traced again with a map of the surroundings of
-//! its start.
+//! its start. Over a slowness it is first replaced by the shortest path over the cells beside it.
 
 mod ahead;
 mod around;
 mod cell;
 mod corners;
+mod corridor;
 mod edge_times;
 mod entry;
 mod first_line;

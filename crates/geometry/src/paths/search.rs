@@ -99,6 +99,10 @@ const LEAST_FALL: f64 = geosweep_surface::constants::LEAST_FALL;
 /// base.
 const FLAT: f64 = 1e-14;
 
+/// The distance, in rows and columns, up to which a map over a slowness holds the times along straight lines from a
+/// source inside a cell.
+const BESIDE_SOURCE: usize = 2;
+
 impl Tracer<'_> {
     /// Returns the straight line across a cell on which the wavefront arrives first and which ends at a time below
     /// `below`. A source in sight and a line that descends are preferred to a line that is merely earlier. If the
@@ -150,6 +154,9 @@ impl Tracer<'_> {
                 break;
             }
         }
+        if self.edges.slowness().is_some() && source.is_none() {
+            source = self.source_beside(place);
+        }
         let line = |NearestSource { source, at, own, time, distance }| CellLine {
             copy: None,
             end: End::Source { source, at, own },
@@ -162,6 +169,20 @@ impl Tracer<'_> {
             None => line.time <= below + ROUNDING * below.abs(),
         });
         in_sight.or(best)
+    }
+
+    /// Returns the point source some cells away from which a straight line arrives first. Maps over a slowness hold the
+    /// times along such lines, which the times between their points do not show.
+    fn source_beside(&self, place: Place) -> Option<NearestSource> {
+        let (chart, at) = (self.chart(), self.at(place));
+        let around = chart.around_place(at, BESIDE_SOURCE);
+        let cells = around.rows.flat_map(|row| around.cols.clone().map(move |col| (row, col)));
+        let points = cells.flat_map(|(row, col)| self.goals.points(chart.bordered(row, col)));
+        points
+            .filter_map(|source| {
+                Some(NearestSource { distance: self.straight(at, source.at)?, ..source })
+            })
+            .min_by(|a, b| (a.time + a.distance).total_cmp(&(b.time + b.distance)))
     }
 
     /// Searches one cell for a line better than `best`.

@@ -269,7 +269,7 @@ impl Tracer<'_> {
 
     /// Returns the places between `a` and `b` at which a line that is straight in rows and columns crosses
     /// the grid's lines.
-    fn cuts(&self, a: DVec2, b: DVec2) -> Vec<DVec2> {
+    pub(super) fn cuts(&self, a: DVec2, b: DVec2) -> Vec<DVec2> {
         let on_line = |x: f64| if (x - x.round()).abs() < ON_LINE { x.round() } else { x };
         let mut cuts: Vec<_> = grid_crossings(a, b)
             .into_iter()
@@ -283,7 +283,7 @@ impl Tracer<'_> {
 
     /// Returns the length of the line from `a` to `b` that is straight in rows and columns, if a wavefront
     /// reaches all of it.
-    fn straight(&self, a: DVec2, b: DVec2) -> Option<f64> {
+    pub(super) fn straight(&self, a: DVec2, b: DVec2) -> Option<f64> {
         let cuts = grid_crossings(a, b);
         cuts.windows(2).map(|ends| self.across(a.lerp(b, ends[0]), a.lerp(b, ends[1]))).sum()
     }

@@ -124,6 +124,9 @@ impl Walk {
         self.length += line.length;
         match line.end {
             End::Source { source, at, own } => {
+                if let Some(&from) = self.vertices.last() {
+                    self.vertices.extend(tracer.cuts(from, at));
+                }
                 // A path that starts at its source has a single vertex.
                 for at in [at, own] {
                     if self.vertices.last() != Some(&at) {

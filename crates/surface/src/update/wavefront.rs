@@ -152,8 +152,7 @@ impl FromStr for Wavefront {
 pub struct Setting {
     /// Whether the surface is known to be a floor plan ([`Surface::is_floor_plan`]).
     pub is_floor_plan: bool,
-    /// Whether the surface turns at random from point to point ([`crate::Resolution::is_rough`]), or
-    /// its slowness jumps all over it.
+    /// Whether the surface turns at random from point to point ([`crate::Resolution::is_rough`]).
     pub is_rough: bool,
     /// Whether the surface has a slowness that is not the same everywhere.
     pub is_slowed_unevenly: bool,
@@ -233,8 +232,7 @@ impl Setting {
     #[doc(hidden)]
     pub fn new(surface: &Surface, sources: SourceKind, engine: EngineKind) -> Self {
         let is_floor_plan = surface.is_floor_plan();
-        let is_rough = surface.resolution().is_some_and(|resolution| resolution.is_rough())
-            || surface.is_slowed_in_patches();
+        let is_rough = surface.resolution().is_some_and(|resolution| resolution.is_rough());
         let is_slowed_unevenly = surface.is_slowed_unevenly();
         let meet = sources.are_several() || surface.is_glued();
         // In the thin cells around a pole, rays that leave a curve come up to a cell early.
