@@ -11,7 +11,7 @@ import zipfile
 from email.parser import BytesParser
 from pathlib import Path
 
-MOST_BYTES = 8 << 20
+MOST_BYTES = 8_000_000
 NOTICES = ("LICENSE-MIT", "LICENSE-APACHE", "THIRD-PARTY.txt")
 FIELDS = {
     "Author": 1,

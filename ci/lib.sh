@@ -60,14 +60,17 @@ need() {
 
 have_environments() { "${PYTHON:-python3}" -c 'import ensurepip, venv' 2>/dev/null; }
 
-# list_missing [for_tests|for_python|for_windows|for_cmake|for_programs]
+# list_missing [for_tests|for_python|for_wheels|for_windows|for_cmake|for_programs]
 list_missing() {
     missing=()
     need "certificates, for cargo's downloads" ca-certificates test -e /etc/ssl/certs/ca-certificates.crt
     need "C++ compiler, linker and library" g++ command -v c++ >/dev/null
-    if [[ ${1-} == for_tests || ${1-} == for_python ]]; then
+    if [[ ${1-} == for_tests || ${1-} == for_python || ${1-} == for_wheels ]]; then
         need "Python, for the package in python/" python3 command -v "${PYTHON:-python3}" >/dev/null
         need "virtual environments, for the same" python3-venv have_environments
+    fi
+    if [[ ${1-} == for_wheels ]]; then
+        need "advzip, which packs wheels tighter" advancecomp command -v advzip >/dev/null
     fi
     if [[ ${1-} == for_windows ]]; then
         need "C compiler that links for Windows" gcc-mingw-w64-x86-64 command -v x86_64-w64-mingw32-gcc >/dev/null
@@ -81,7 +84,7 @@ list_missing() {
         need "pkg-config, for programs in C" pkg-config command -v pkg-config >/dev/null
         need "Vulkan's headers, for the same" libvulkan-dev test -e /usr/include/vulkan/vulkan_core.h
     fi
-    case ${1-} in for_python | for_windows | for_cmake | for_programs) return 0 ;; esac
+    case ${1-} in for_python | for_wheels | for_windows | for_cmake | for_programs) return 0 ;; esac
     if [[ -z ${SHADERC_LIB_DIR-} ]]; then
         need "GLSL compiler for build.rs" libshaderc-dev have_archive shaderc_combined
         need "a part of it that it is packaged without" glslang-dev have_archive glslang
@@ -107,7 +110,7 @@ list_missing() {
     fi
 }
 
-# install_missing [for_tests|for_python|for_windows|for_cmake|for_programs]
+# install_missing [for_tests|for_python|for_wheels|for_windows|for_cmake|for_programs]
 install_missing() {
     local -a missing packages=() as_root=()
     local entry name names
