@@ -16,6 +16,7 @@ pub enum Instructions {
 impl Instructions {
     /// Returns the sets that this machine has. The best set is last.
     pub fn available() -> Vec<Self> {
+        #[cfg_attr(not(target_arch = "x86_64"), expect(unused_mut, reason = "there is one set"))]
         let mut available = vec![Self::Baseline];
         #[cfg(target_arch = "x86_64")]
         {

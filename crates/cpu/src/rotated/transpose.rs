@@ -48,19 +48,6 @@ fn one_by_one<R: Copy>(from: &[R], to: &mut [R], block: Turned) {
     }
 }
 
-impl Turned {
-    /// Returns the part that starts at `row` and `col` of the block.
-    fn part(self, row: usize, col: usize, rows: usize, cols: usize) -> Self {
-        Self {
-            from: self.from + row * self.from_stride + col,
-            to: self.to + col * self.to_stride + row,
-            rows,
-            cols,
-            ..self
-        }
-    }
-}
-
 /// Transposes blocks of 8 x 8 in registers, since compilers do not find these shuffles.
 #[cfg(target_arch = "x86_64")]
 mod avx2 {
@@ -72,6 +59,19 @@ mod avx2 {
     /// Number of lines by which prefetches are ahead of reads. The lines lie pages apart, so the hardware prefetcher
     /// does not find them.
     const AHEAD: usize = 16;
+
+    impl Turned {
+        /// Returns the part that starts at `row` and `col` of the block.
+        fn part(self, row: usize, col: usize, rows: usize, cols: usize) -> Self {
+            Self {
+                from: self.from + row * self.from_stride + col,
+                to: self.to + col * self.to_stride + row,
+                rows,
+                cols,
+                ..self
+            }
+        }
+    }
 
     #[target_feature(enable = "avx2")]
     pub(crate) fn transpose(from: &[f32], to: &mut [f32], block: Turned) {
