@@ -43,6 +43,41 @@ fn paths_through_a_wall_run_straight_and_cost_its_slowness() {
     assert!((cost - 101.0).abs() < 0.1, "{cost}");
 }
 
+#[test]
+fn paths_cost_what_the_map_says() {
+    let mut random = Random::new(5);
+    let classes: Vec<f64> =
+        (0..100).map(|_| [1.0, 2.0, 5.0, 10.0][(4.0 * random.next()) as usize]).collect();
+    let blocks = |row: usize, col: usize| classes[row / 9 * 10 + col / 9];
+    let ridge = |_: usize, col: usize| 1.0 + 99.0 * (-(col as f64 / 2.0 - 15.0).powi(2)).exp();
+    let smooth =
+        |row: usize, col: usize| 1.5 + (0.1 * row as f64).sin() * (0.13 * col as f64).cos();
+    let peaks = Builtin::Peaks.surface(61, 81).unwrap();
+    let slowed: Vec<f64> = (0..61 * 81).map(|k| blocks(k / 81, k % 81)).collect();
+    let cases = [
+        ("blocks", plane(61, 81, blocks)),
+        ("ridge", plane(61, 81, ridge)),
+        ("smooth", plane(61, 81, smooth)),
+        ("blocks on peaks", peaks.with_slowness(slowed).unwrap()),
+    ];
+    for (name, surface) in cases {
+        let mut errors = Vec::new();
+        for _ in 0..30 {
+            let mut place = || [(61.0 * random.next()).floor(), (81.0 * random.next()).floor()];
+            let [from, to] = [place(), place()];
+            if from == to {
+                continue;
+            }
+            let [map, cost, _] = path(&surface, from, to);
+            errors.push((cost / map - 1.0).abs());
+        }
+        errors.sort_by(f64::total_cmp);
+        let [median, largest] = [errors[errors.len() / 2], errors[errors.len() - 1]];
+        println!("{name}: median {median:.1e}, largest {largest:.1e}");
+        assert!(median < 8e-3 && largest < 3e-2, "{name}: {median:e} {largest:e}");
+    }
+}
+
 /// The kinds of drawn fields.
 const KINDS: [&str; 5] = ["smooth", "strips", "blocks", "hills", "noise"];
 

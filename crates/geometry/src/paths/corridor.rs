@@ -15,12 +15,12 @@ use super::linked_path::LinkedPath;
 use super::tracer::Tracer;
 use geosweep_surface::corner_weights;
 
-/// The number of parts into which places divide an edge. With 4, one path in a thousand over white noise takes another
-/// way around a slow point.
+/// The number of parts into which places divide an edge. They decide on which side of grid points a path runs; its
+/// vertices are moved between them afterwards.
 const PARTS: i32 = 6;
 
-/// The width of the corridor on either side of the path, in cells. With 30, paths over random fields with contrasts of up
-/// to 1000 are not shorter by more than a thousandth.
+/// The width of the corridor on either side of the path, in cells. With 30, the costs of 4800 paths over random fields
+/// with contrasts of 2 to 1000 had the same quantiles, from 1 to 99 %, to 6e-4 of the map's values.
 const BESIDE: i32 = 2;
 
 /// The moves that a vertex may make at a time, as parts of the longest one. The one in the middle is none.

@@ -133,9 +133,7 @@ impl Goals {
         let nearest = goals.map(|goal| goal.nearest(cell, place));
         nearest.min_by(|a, b| (a.time + a.distance).total_cmp(&(b.time + b.distance)))
     }
-}
 
-impl Goals {
     /// Returns the point sources in a cell, at a distance that is not known yet.
     pub(super) fn points(&self, north_west: usize) -> impl Iterator<Item = NearestSource> {
         let goals = self.touches(north_west).then(|| self.by_cell.get(&north_west)).flatten();
