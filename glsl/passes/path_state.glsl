@@ -1,4 +1,4 @@
-// Stores the state of paths under way, for path_starts.comp and paths.comp. Between the records and the
+// Stores the state of paths, for path_starts.comp, paths.comp and path_slides.glsl. Between the records and the
 // vertices lie the starts (row and column), and then the states.
 
 layout(push_constant) uniform Batch {
@@ -10,6 +10,7 @@ layout(push_constant) uniform Batch {
     int first_word;   // offset of the first source
     int count;        // number of sources
     int slowed;       // 1 if lengths are weighted by a slowness
+    int halvings;     // number of times that moves of sliding vertices have been halved
 };
 
 #include "shared/times.glsl"

@@ -1,8 +1,8 @@
 // Continues paths by some steps back to the source. A path runs from cell to cell along the straight line on
 // which the front arrives first. One invocation is one path.
-// Twin: PathTracer::along_the_map in crates/geometry/src/paths, in double precision. Without that option the twin also pulls
-// paths taut and traces again those that are too long. To leave pits of the map, the twin looks further than two grid
-// points.
+// Twin: PathTracer::along_the_map in crates/geometry/src/paths, in double precision. Without that option the twin also
+// pulls paths taut and traces again those that are too long. Over a slowness, path_slides.comp follows. To leave pits of
+// the map, the twin looks further than two grid points.
 
 layout(local_size_x = WORKGROUP) in;
 

@@ -223,6 +223,11 @@
 // Number of steps of a path in one dispatch. No device takes long over these. Lavapipe ends all loops of an invocation
 // after 65,535 turns in total.
 #define STEPS_TOGETHER 256
+// Number of vertices of a window within which vertices of a path over a slowness slide together, number of times that
+// their moves are halved, and number of rounds.
+#define SLIDE_WINDOW 32
+#define SLIDE_HALVINGS 8
+#define SLIDE_ROUNDS 2
 // Number of steps by which one pass over regions extends the way of each point. On lavapipe, 3 steps take as
 // long as this at 256 points per side, and 2.4 times as long at 1024.
 #define FLOW_JUMPS 7

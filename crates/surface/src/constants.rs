@@ -222,6 +222,11 @@ pub const PATH_WORDS: u32 = 15;
 /// Number of steps of a path in one dispatch. No device takes long over these. Lavapipe ends all loops of an invocation
 /// after 65,535 turns in total.
 pub const STEPS_TOGETHER: u32 = 256;
+/// Number of vertices of a window within which vertices of a path over a slowness slide together, number of times that
+/// their moves are halved, and number of rounds.
+pub const SLIDE_WINDOW: u32 = 32;
+pub const SLIDE_HALVINGS: u32 = 8;
+pub const SLIDE_ROUNDS: u32 = 2;
 /// Number of steps by which one pass over regions extends the way of each point. On lavapipe, 3 steps take as
 /// long as this at 256 points per side, and 2.4 times as long at 1024.
 pub const FLOW_JUMPS: u32 = 7;

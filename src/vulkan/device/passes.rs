@@ -183,6 +183,9 @@ passes! {
         CONTOUR_SEGMENTS: contour_segments;
         PATH_STARTS: path_starts;
         PATHS: paths;
+        PATH_DOUBLES: path_doubles;
+        PATH_SLIDES: path_slides;
+        PATH_LENGTHS: path_lengths;
         LIFT_FROM_BUFFER: lift_from_buffer;
         LIFT_FROM_IMAGE: lift_from_image;
         REGION_STARTS: region_starts;

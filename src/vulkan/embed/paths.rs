@@ -12,13 +12,15 @@ use super::outputs::{BufferKind, HostMemory, Output, OutputInfo};
 use super::recording::{Recording, grid_size};
 use super::solver::Solver;
 use super::surface::FrameSurface;
-use crate::constants::{CURVE_WORDS, PATH_WORDS, STEPS_TOGETHER};
+use crate::constants::{
+    CURVE_WORDS, PATH_WORDS, SLIDE_HALVINGS, SLIDE_ROUNDS, SLIDE_WINDOW, STEPS_TOGETHER, WORKGROUP,
+};
 use crate::update::Wavefront;
 use crate::vulkan::VulkanError;
 use crate::vulkan::device::barrier::{SHADER, SHADER_WRITE, TRANSFER, TRANSFER_WRITE};
 use crate::vulkan::device::device_memory::DeviceMemory;
 use crate::vulkan::device::limits::Limits;
-use crate::vulkan::device::passes::{PATH_STARTS, PATHS};
+use crate::vulkan::device::passes::{PATH_DOUBLES, PATH_LENGTHS, PATH_SLIDES, PATH_STARTS, PATHS};
 use crate::vulkan::device::pipelines::Pipeline;
 use crate::vulkan::device::shaders::path_starts::Push;
 use crate::vulkan::profile::PassKind;
@@ -33,7 +35,20 @@ pub type Paths = Output<PathKind>;
 pub struct PathKind {
     /// Pass that begins the paths, and pass that continues them and is repeated.
     pipelines: [Pipeline<Push>; 2],
+    /// Passes that move the vertices of paths over a slowness.
+    slides: Option<Slides>,
 }
+
+/// Passes that move the vertices of paths over a slowness to where the paths cost least.
+#[derive(Debug)]
+struct Slides {
+    double: Pipeline<Push>,
+    slide: Pipeline<Push>,
+    measure: Pipeline<Push>,
+}
+
+/// Number of passes that move vertices.
+const SLIDE_PASSES: u32 = SLIDE_ROUNDS * (1 + SLIDE_HALVINGS) + 1;
 
 impl BufferKind for PathKind {}
 impl CurveKind for PathKind {}
@@ -143,10 +158,17 @@ fn make(
     (solver, surface): (&Solver, &FrameSurface),
     room: PathsInfo,
 ) -> Result<(OutputInfo, PathKind), VulkanError> {
-    let info = info(&solver.limits, room)?;
+    let mut info = info(&solver.limits, room)?;
     let variant = surface.finished_map(Wavefront::Planar);
     let make = |pass| solver.pipelines.make(device, pass, variant);
-    Ok((info, PathKind { pipelines: [make(PATH_STARTS)?, make(PATHS)?] }))
+    let slides = if surface.grid.is_slowed() {
+        info.passes += SLIDE_PASSES;
+        let (double, slide) = (make(PATH_DOUBLES)?, make(PATH_SLIDES)?);
+        Some(Slides { double, slide, measure: make(PATH_LENGTHS)? })
+    } else {
+        None
+    };
+    Ok((info, PathKind { pipelines: [make(PATH_STARTS)?, make(PATHS)?], slides }))
 }
 
 fn layout_of(PathsInfo { paths, vertices }: PathsInfo) -> CurveLayout {
@@ -177,9 +199,10 @@ impl Recording<'_> {
     /// surface. Returns the buffer that receives them for the host to draw.
     ///
     /// The paths are those of [`crate::geometry::PathTracer`], in single precision. A path has at least one
-    /// vertex at each grid line that it crosses, and ends at a source exactly. If there is no path to draw,
-    /// its record says why ([`super::CurveRecord::status`]). For each path, every source is examined once,
-    /// and again in each cell in which a source may lie.
+    /// vertex at each grid line that it crosses, and ends at a source exactly. Over a slowness, its vertices slide to
+    /// where it costs least; for that, there should be room for a second vertex at each grid point on its way. If there
+    /// is no path to draw, its record says why ([`super::CurveRecord::status`]). For each path, every source is examined
+    /// once, and again in each cell in which a source may lie.
     ///
     /// On a glued surface, paths cross seams. Two consecutive vertices are then the same point of the surface: the
     /// first at its row and column on one side of the seam, the second on the other side.
@@ -222,22 +245,40 @@ impl Recording<'_> {
             first_word: set.first_word,
             count: sources as i32,
             slowed: self.surface.grid.is_slowed().into(),
+            halvings: 0,
         };
-        let passes = passes_that_go_on(layout, traces(frame.sources));
-        for pass in 0..=passes {
-            let pipeline = paths.kind.pipelines[usize::from(pass > 0)];
-            let size = [layout.curves, 1];
-            // Only the device knows how many steps the paths take.
-            let moved = match pass {
-                0 => moved_by_starts(layout.curves, count as u64, sources as u64),
-                _ => [None; 2],
-            };
+        // Only the device knows how many steps the paths take.
+        let pass = |pipeline, batch: &Push, size, moved| {
             let _pass = recorder.pass_moving(PassKind::Paths, moved);
-            recorder.map_pass(pipeline, set.set, &batch, size);
+            recorder.map_pass(pipeline, set.set, batch, size);
             recorder.barrier(SHADER_WRITE, SHADER);
+        };
+        let PathKind { pipelines: [begin, go_on], slides } = &paths.kind;
+        let each = [layout.curves, 1];
+        let moved = moved_by_starts(layout.curves, count as u64, sources as u64);
+        pass(*begin, &batch, each, moved);
+        for _ in 0..passes_that_go_on(layout, traces(frame.sources)) {
+            pass(*go_on, &batch, each, [None; 2]);
+        }
+        if let Some(Slides { double, slide, measure }) = slides {
+            for _ in 0..SLIDE_ROUNDS {
+                pass(*double, &batch, each, [None; 2]);
+                for halvings in 0..SLIDE_HALVINGS {
+                    let batch = Push { halvings: halvings as i32, ..batch };
+                    pass(*slide, &batch, windows(layout), [None; 2]);
+                }
+            }
+            pass(*measure, &batch, each, [None; 2]);
         }
         paths.lift(self, frame.points, frame.reader)
     }
+}
+
+/// Returns the number of invocations that move the vertices of paths, one for each window of each path.
+fn windows(layout: CurveLayout) -> [u32; 2] {
+    // The first window of every other pass is half as long.
+    let windows = 1 + layout.capacity.div_ceil(SLIDE_WINDOW);
+    [windows.next_multiple_of(WORKGROUP), layout.curves]
 }
 
 /// Returns the bytes moved to begin the paths. For each start, the pass reads the start and the times around

@@ -77,13 +77,7 @@ impl Tracer<'_> {
         if !trace.is_too_long() {
             return trace;
         }
-        let is_slowed = self.edges.slowness().is_some();
-        let shortened = |path| if is_slowed { self.shortened(path) } else { path };
-        let trace = shortened(trace);
-        if !trace.is_too_long() {
-            return trace;
-        }
-        match self.around(&trace).map(|other| shortened(self.taut(other).whole())) {
+        match self.around(&trace).map(|other| self.slid(self.taut(other).whole())) {
             Some(other) if other.arrival() < trace.arrival() => other,
             _ => trace,
         }

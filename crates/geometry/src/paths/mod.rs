@@ -13,13 +13,12 @@
 //!
 //! Where wavefronts meet, the map's values are too early, and a path from there would run along the cut
 //! locus. A path that turns out longer than the map's value is traced again with a map of the surroundings of
-//! its start. Over a slowness it is first replaced by the shortest path over the cells beside it.
+//! its start. Over a slowness its vertices first slide to where it costs least.
 
 mod ahead;
 mod around;
 mod cell;
 mod corners;
-mod corridor;
 mod edge_times;
 mod entry;
 mod first_line;
@@ -29,6 +28,7 @@ mod place;
 mod seams;
 mod search;
 mod shared_parts;
+mod slides;
 mod slowed_edge;
 mod taut;
 mod tracer;
@@ -215,7 +215,8 @@ impl<'a> PathTracer<'a> {
     /// traced again, on rough surfaces many.
     ///
     /// A path along the map is also too long by up to a twentieth of a cell around each corner of a hole.
-    /// Without this option it is pulled taut there.
+    /// Without this option it is pulled taut there. Over a slowness, vertices slide along their edges to where the path
+    /// costs least, with this option too.
     #[must_use]
     pub fn along_the_map(mut self) -> Self {
         self.tracer.shortens = false;
@@ -267,6 +268,7 @@ impl<'a> PathTracer<'a> {
                     lost_row: at.x,
                     lost_col: at.y,
                 })?;
+                let trace = self.tracer.slid(trace);
                 let trace = if self.tracer.shortens { self.tracer.shortest(trace) } else { trace };
                 let LinkedPath { vertices, time, length, source, .. } = trace;
                 let vertices = vertices.into_iter().map(|at| at.to_array()).collect();

@@ -180,9 +180,10 @@ fn extent(vertices: &[DVec2]) -> f64 {
 }
 
 impl Tracer<'_> {
-    /// Pulls a path taut: leads it straight to and from the corners at which it bends.
+    /// Pulls a path taut: leads it straight to and from the corners at which it bends. Over a slowness, vertices slide
+    /// instead.
     pub(super) fn taut(&self, mut linked: LinkedPath) -> LinkedPath {
-        if self.corners.is_none() || !self.seams.is_none() {
+        if self.corners.is_none() || !self.seams.is_none() || self.edges.slowness().is_some() {
             return linked;
         }
         // The last corner through which the path has been led.
