@@ -1,13 +1,11 @@
-// Adds fronts at the points around a source inside a skewed cell, for surroundings.comp. Between the corners of such a
-// cell, rays cross bases whose ends no ray has reached yet. The points around the cell, as far away as those that split
-// obtuse triangles, are close enough to the source for straight lines of the chart. The length of any line is an upper
-// bound of the distance, so no front is early.
+// Adds fronts at the points around a source inside a skewed cell or over a slowness, for surroundings.comp. Between the
+// corners of such a cell, rays cross bases whose ends no ray has reached yet. The points around the cell, as far away as
+// those that split obtuse triangles, are close enough to the source for straight lines of the chart. The length of any
+// line is an upper bound of the distance, so no front is early.
 // Twin: crates/cpu/src/twins/chart_lines.rs.
 
+#include "shared/cell.glsl"
 #include "update/reduced_basis.glsl"
-
-// Number of pieces of a line per row or column, whose lengths are added up.
-const float PIECES = 4.0;
 
 // Distance of the farthest point that splits a triangle of the points around the source's cell.
 shared int skew_around;
@@ -19,7 +17,9 @@ float window_length(ivec2 at, ivec2 step) {
 
 float window_square(ivec2 at, ivec2 step) {
     float size = window_length(at, step);
-    return size < sqrt(FAR) ? size * size : FAR;
+    if (size >= sqrt(FAR)) return FAR;
+    if (SLOWED != 0) size /= 0.5 * (slowness[spot(at)] + slowness[spot(at + step)]);
+    return size * size;
 }
 
 // Finds how skewed the cells around the cell of a source are. `place` is the source, in columns and rows of the window.
@@ -34,7 +34,15 @@ void find_skew(int index, vec2 place) {
     atomicMax(skew_around, splits_within(a, b, squares));
 }
 
-// Returns the length of a step inside the cell with a given north-western corner, or FAR if the cell is not whole.
+// Returns the slowness at a place of the cell with a given north-western corner, 1 without a slowness.
+float slowness_in_cell(ivec2 at, vec2 place) {
+    if (SLOWED == 0) return 1.0;
+    ivec4 s = spots(at);
+    return dot(bilinear(place - vec2(at)), vec4(slowness[s.x], slowness[s.y], slowness[s.z], slowness[s.w]));
+}
+
+// Returns the length on the surface of a step inside the cell with a given north-western corner, or FAR if the cell is not
+// whole.
 float length_in_cell(ivec2 at, vec2 step) {
     float north = window_square(at, ivec2(1, 0));
     float south = window_square(at + ivec2(0, 1), ivec2(1, 0));
@@ -49,16 +57,24 @@ float length_in_cell(ivec2 at, vec2 step) {
 }
 
 // Returns the length of the straight line of the chart from a place to a point, or FAR if a point is missing beside it.
+// Over a slowness, its part in a cell costs its length times the mean slowness of its ends, as in the updates.
 float length_of_line(vec2 place, ivec2 point) {
     vec2 whole = vec2(point) - place;
-    float pieces = ceil(max(abs(whole.x), abs(whole.y)) * PIECES);
+    // The next column and row that the line meets.
+    vec2 line = mix(floor(place) + 1.0, ceil(place) - 1.0, lessThan(whole, vec2(0.0)));
     float sum = 0.0;
-    for (float piece = 0.5; piece < pieces; piece += 1.0) {
-        vec2 middle = place + piece / pieces * whole;
+    float from = 0.0;
+    for (int i = 0; i < 2 * TEXELS + 2 && from < 1.0; i++) {
+        vec2 meets = mix(min((line - place) / whole, 1.0), vec2(1.0), equal(whole, vec2(0.0)));
+        float to = min(meets.x, meets.y);
+        vec2 middle = place + 0.5 * (from + to) * whole;
         // A line along the last row or column of the window lies in the cells before it.
         ivec2 cell = min(ivec2(middle), ivec2(SIDE - 2));
-        sum += length_in_cell(cell, whole / pieces);
+        float slow = slowness_in_cell(cell, place + from * whole) + slowness_in_cell(cell, place + to * whole);
+        sum += 0.5 * slow * length_in_cell(cell, (to - from) * whole);
         if (sum >= FAR) return FAR;
+        line += mix(vec2(0.0), sign(whole), lessThanEqual(meets, vec2(to)));
+        from = to;
     }
     return sum;
 }

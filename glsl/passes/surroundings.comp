@@ -226,12 +226,11 @@ void main() {
         time_before = imageLoad(fronts, ivec3(texel, TIME));
         if (CARRIES) held_before = imageLoad(fronts, ivec3(texel, CARRIED));
     }
-    // A line on which the slowness changes has no known time.
-    if (SPLITS != 0 && SLOWED == 0 && is_point(own) && bends) {
+    if ((SPLITS != 0 || SLOWED != 0) && is_point(own) && bends) {
         vec2 place = place_of(own) - vec2(at_point(window));
         find_skew(index, place);
         barrier();
-        if (is_there && skew_around > 1) add_lines(own, place, at, time_before, held_before);
+        if (is_there && (skew_around > 1 || SLOWED != 0)) add_lines(own, place, at, time_before, held_before);
     }
     vec4 time = time_before;
     vec4 held = held_before;

@@ -3,25 +3,31 @@
 // The distance from a place in a cell to a corner follows from the lengths of the cell's edges and diagonals. Let the
 // place be p = sum of w_i p_i, with the positions p_i and weights w_i of the corners, and this corner be at 0. Then
 // |p|^2 = sum of w_i w_j <p_i, p_j>, and 2 <p_i, p_j> = |p_i|^2 + |p_j|^2 - |p_i - p_j|^2.
-// No positions are needed, and the lengths include the slowness.
+// No positions are needed. Over a slowness, lengths are those on the surface, and a line costs its length times the mean
+// slowness of its ends.
 // Twin: Sources::seeds in crates/surface/src/sources, in terms of positions.
 
 #include "shared/edge_image.glsl"
 #include "shared/cell.glsl"
 #include "shared/source.glsl"
+#include "shared/surface_image.glsl"
 
-// The lengths of the edges between the corners a and b of a cell, at the index 4 a + b.
 struct Cell {
-    float lengths[16];
+    float lengths[16]; // of the edges between the corners a and b, at the index 4 a + b
+    vec4 slowness;     // at the corners; 1 without a slowness
 };
 
 // Returns the cell with a given north-western corner.
 Cell cell_at(ivec2 first) {
     Cell cell;
+    // If the slowness varies, its image has a texel for each point of a row, as the edges have.
+    bool is_slowed = imageSize(gaussians).x >= imageSize(edges).x;
+    for (int a = 0; a < 4; a++) cell.slowness[a] = is_slowed ? slowness_at(first + to_corner(a)) : 1.0;
     for (int a = 0; a < 4; a++) {
         cell.lengths[5 * a] = 0.0;
         for (int b = a + 1; b < 4; b++) {
             float size = edge_length(first + to_corner(a), to_corner(b) - to_corner(a));
+            if (is_slowed && size < FAR) size /= 0.5 * (cell.slowness[a] + cell.slowness[b]);
             cell.lengths[4 * a + b] = size;
             cell.lengths[4 * b + a] = size;
         }
@@ -53,7 +59,7 @@ float distance_in(Cell cell, int corner, vec2 uv) {
             square += weights[a] * weights[b] * product;
         }
     }
-    return sqrt(max(square, 0.0));
+    return sqrt(max(square, 0.0)) * 0.5 * (cell.slowness[corner] + dot(cell.slowness, weights));
 }
 
 // Returns the time at which a source's front reaches a point of the cells around it, and the front's curvature there.

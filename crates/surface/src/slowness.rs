@@ -83,7 +83,8 @@ impl Surface {
     }
 
     /// Returns whether the surface is given by a metric whose scale the updates treat as a slowness.
-    pub(super) fn is_scaled(&self) -> bool {
+    #[doc(hidden)]
+    pub fn is_scaled(&self) -> bool {
         self.inputs.is_scaled
     }
 
@@ -168,18 +169,37 @@ impl Surface {
     }
 
     /// Returns the slowness between grid points, bilinear over the corners that are present; 1 without a slowness.
+    fn slowness_near(&self, at: DVec2) -> f64 {
+        if self.is_weighted() { self.mean_near(at, |index| self.slowness_of(index)) } else { 1.0 }
+    }
+
+    /// Returns the cost of a straight line within a cell, as in the updates: its length times the mean slowness of its
+    /// ends. If the scale of a metric counts as a slowness, the length is that of the metric without its scale. The
+    /// length is that of a number of pieces. The result is `None` if a place lies in a hole.
     #[doc(hidden)]
-    pub fn slowness_near(&self, at: DVec2) -> f64 {
-        if !self.is_weighted() {
-            return 1.0;
-        }
+    pub fn cost_in_cell(&self, from: DVec2, to: DVec2, pieces: usize) -> Option<f64> {
+        let place = |piece: usize| {
+            let place = self.place(from.lerp(to, piece as f64 / pieces as f64))?;
+            Some(if self.is_scaled() { place.without_scale() } else { place })
+        };
+        let length = |piece: usize| Some(place(piece)?.length_to(place(piece + 1)?));
+        let length: f64 = (0..pieces).map(length).sum::<Option<_>>()?;
+        let slowness = |at: DVec2| match self.is_scaled() || self.is_weighted() {
+            true => self.mean_near(at, |index| self.slowness_to_updates(index)),
+            false => 1.0,
+        };
+        Some(0.5 * length * (slowness(from) + slowness(to)))
+    }
+
+    /// Returns the bilinear mean of a value over the corners of a place's cell that are present.
+    fn mean_near(&self, at: DVec2, value: impl Fn(usize) -> f64) -> f64 {
         let cell = Cell::of((at.x as usize, at.y as usize));
         let (sum, weights) = bilinear(at.x.fract(), at.y.fract())
             .into_iter()
             .zip(cell.corners())
             .filter(|&(weight, (row, col))| weight > 0.0 && self.has(row, col))
             .fold((0.0, 0.0), |(sum, weights), (weight, (row, col))| {
-                (sum + weight * self.slowness_of(self.chart.index(row, col)), weights + weight)
+                (sum + weight * value(self.chart.index(row, col)), weights + weight)
             });
         sum / weights
     }

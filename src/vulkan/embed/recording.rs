@@ -428,8 +428,12 @@ impl<'a> Recording<'a> {
             recorder.barrier(SHADER_WRITE, SHADER);
             recorder.seed(4 * together, plan.schedule.follows());
         }
-        let gains = plan.schedule.gains_by_surroundings() && sources.may_lie_inside_cells();
-        if gains || surface.has_skewed_cells || count > 1 && plan.wavefront.is_curved() {
+        // Over a slowness, sources inside cells have straight lines to the points around them.
+        let gains = plan.schedule.gains_by_surroundings() || surface.grid.is_slowed();
+        if gains && sources.may_lie_inside_cells()
+            || surface.has_skewed_cells
+            || count > 1 && plan.wavefront.is_curved()
+        {
             self.surroundings(set, count, plan);
         }
         recorder.exchange_seeds(self.variant(plan), plan.schedule);

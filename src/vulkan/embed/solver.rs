@@ -70,7 +70,7 @@ impl PipelineSet {
         wavefront: Wavefront,
     ) -> impl Iterator<Item = (usize, Variant)> {
         let exchange = self.glued.then(|| (EXCHANGE.number(), wavefront.into()));
-        let all = passes_of(schedule, wavefront).chain(exchange);
+        let all = passes_of(schedule, wavefront, self.slowed).chain(exchange);
         all.map(move |(pass, variant)| (pass, self.variant(variant)))
     }
 
@@ -197,7 +197,7 @@ impl Solver {
         let mut wanted: Vec<_> =
             COMMON.iter().map(|&pass| (pass, Wavefront::Planar.into())).collect();
         for &(schedule, wavefront) in passes {
-            wanted.extend(passes_of(schedule, over_any(wavefront)));
+            wanted.extend(passes_of(schedule, over_any(wavefront), false));
         }
         self.pipelines.make_each(device, &wanted)
     }
@@ -267,7 +267,7 @@ impl Solver {
         schedule: Schedule,
         wavefront: Wavefront,
     ) -> Result<(), VulkanError> {
-        let mut wanted: Vec<_> = passes_of(schedule, over_any(wavefront)).collect();
+        let mut wanted: Vec<_> = passes_of(schedule, over_any(wavefront), false).collect();
         let made = *self.pipeline_sets.get_mut();
         for set in PipelineSet::all().filter(|set| made & set.bit() != 0) {
             wanted.extend(set.passes(schedule, over_any(wavefront)));
@@ -302,7 +302,7 @@ impl Solver {
         variant: Variant,
     ) -> Option<Pipeline<surroundings::Push>> {
         let made = self.pipelines.made(SURROUNDINGS, variant);
-        made.filter(|_| have_surroundings(schedule, variant.wavefront))
+        made.filter(|_| have_surroundings(schedule, variant.wavefront, variant.slowed))
     }
 
     /// Creates the pipelines that surfaces with these properties need, for all present and future schedules and
@@ -375,16 +375,22 @@ const OF_GLUED: [usize; 3] =
 
 /// Returns the passes of a schedule and wavefront. If maps gain by it, the pass that solves the surroundings
 /// of sources is among them. Headless solvers do without that pass, and start from `Wavefront::seeds`.
-fn passes_of(schedule: Schedule, wavefront: Wavefront) -> impl Iterator<Item = (usize, Variant)> {
-    let around = have_surroundings(schedule, wavefront).then_some(SURROUNDINGS.number());
+fn passes_of(
+    schedule: Schedule,
+    wavefront: Wavefront,
+    slowed: bool,
+) -> impl Iterator<Item = (usize, Variant)> {
+    let around = have_surroundings(schedule, wavefront, slowed).then_some(SURROUNDINGS.number());
     let all = schedule.passes().iter().copied().chain(around);
     all.map(move |pass| (pass, wavefront.into()))
 }
 
-/// Returns whether maps gain if the surroundings of sources are solved first. Either maps of sources between
-/// grid points then take fewer iterations, or fronts of several sources are more accurate.
-fn have_surroundings(schedule: Schedule, wavefront: Wavefront) -> bool {
-    wavefront.is_curved() || schedule.gains_by_surroundings() && wavefront != Wavefront::Planar
+/// Returns whether maps gain if the surroundings of sources are solved first. Maps of sources between grid points then
+/// take fewer iterations or are more accurate, or fronts of several sources are more accurate.
+fn have_surroundings(schedule: Schedule, wavefront: Wavefront, slowed: bool) -> bool {
+    wavefront.is_curved()
+        || slowed
+        || schedule.gains_by_surroundings() && wavefront != Wavefront::Planar
 }
 
 /// Returns the wavefront to use on a surface that may or may not be a floor plan.

@@ -78,8 +78,7 @@ const LONG: f64 = 1.5;
 /// ```
 pub fn seeds_for(wavefront: Wavefront, surface: &Surface, seeds: Vec<Seed>) -> Vec<Seed> {
     match wavefront.or_curved(Setting::of_engine(surface.is_floor_plan())) {
-        Wavefront::Planar => seeds,
-        Wavefront::Rays => around_skewed_cells(surface, seeds),
+        Wavefront::Planar | Wavefront::Rays => around_skewed_cells(surface, seeds),
         Wavefront::Anchored => with_diagonals(surface, seeds),
         wavefront @ (Wavefront::Circular | Wavefront::Curved) => {
             with_origins(wavefront, surface, around_skewed_cells(surface, seeds))

@@ -21,10 +21,6 @@ const PIECES: f64 = 4.0;
 /// Returns the seeds with those around sources inside such cells. Each point has its earliest seed.
 pub(super) fn around_skewed_cells(surface: &Surface, seeds: Vec<Seed>) -> Vec<Seed> {
     let is_slowed = surface.is_slowed_unevenly();
-    // A metric whose scale counts as a slowness has no known time along a line.
-    if is_slowed && surface.slowness().is_none() {
-        return seeds;
-    }
     let mut sources = BTreeMap::new();
     for seed in seeds.iter().filter(|seed| seed.origin.is_some_and(|origin| origin.is_point())) {
         if let Some(from) = seed.from {
@@ -65,26 +61,17 @@ fn on_lines(
     reach: usize,
 ) -> Vec<Seed> {
     let Some(start) = known.origin.map(|origin| origin.start) else { return Vec::new() };
-    let across_cell = |from: DVec2, to: DVec2| {
-        let pieces = ((to - from).abs().max_element() * PIECES).ceil();
-        let place = |piece: f64| surface.place(from.lerp(to, piece / pieces));
-        let mut sum = 0.0;
-        for piece in 1..=pieces as usize {
-            let (before, after) = (place(piece as f64 - 1.0)?, place(piece as f64)?);
-            sum += before.length_to(after);
-        }
-        // A line across a cell costs the mean slowness of its ends, as in the updates.
-        Some(sum * 0.5 * (surface.slowness_near(from) + surface.slowness_near(to)))
-    };
     let length = |to: DVec2| {
-        let cuts = grid_crossings(from, to);
-        cuts.windows(2)
-            .map(|ends| across_cell(from.lerp(to, ends[0]), from.lerp(to, ends[1])))
-            .sum()
+        let part = |ends: &[f64]| {
+            let [from, to] = [ends[0], ends[1]].map(|share| from.lerp(to, share));
+            let pieces = ((to - from).abs().max_element() * PIECES).ceil() as usize;
+            surface.cost_in_cell(from, to, pieces)
+        };
+        grid_crossings(from, to).windows(2).map(part).sum()
     };
-    // The edges may be measured along the surface, and weighted by a slowness.
+    // The edges may be measured along the surface.
     let Some(known_length): Option<f64> = length(known.place()) else { return Vec::new() };
-    let scale = (known.time - start) / known_length;
+    let scale = if surface.is_scaled() { 1.0 } else { (known.time - start) / known_length };
     let seed = |(row, col): (usize, usize)| {
         let step = DVec2::new(row as f64, col as f64) - from;
         let is_free = surface.has(row, col)

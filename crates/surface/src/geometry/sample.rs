@@ -30,6 +30,17 @@ impl Sample {
         sum
     }
 
+    /// Returns the place with a metric of determinant 1.
+    pub(crate) fn without_scale(self) -> Self {
+        match self {
+            Self::Position(_) => self,
+            Self::Metric { at, tensor } => {
+                let scale = tensor.determinant().sqrt();
+                Self::Metric { at, tensor: tensor * scale.recip() }
+            }
+        }
+    }
+
     /// Returns the length of the straight step between two places: the chord between positions, or the mean
     /// of the lengths that the metric gives at both ends.
     #[doc(hidden)]
