@@ -86,7 +86,7 @@ impl Lines<'_> {
         // For each move of the vertex before, the least cost of the path, less its cost if no vertex moves.
         let mut costs = [FAR; ALONG.len()];
         costs[STAYS] = 0.0;
-        for index in 1..=last {
+        for (index, best) in moves.iter_mut().enumerate().skip(1) {
             let [from, to] = [index - 1, index].map(|index| places(vertices, index, step));
             let stays =
                 if is_line(vertices, index) { self.cost(from[STAYS], to[STAYS]) } else { 0.0 };
@@ -104,7 +104,7 @@ impl Lines<'_> {
                     let is_same = own == STAYS && other == STAYS;
                     let more = if is_same { 0.0 } else { self.cost(from[other], there) - stays };
                     if before[other] + more < costs[own] {
-                        (costs[own], moves[index][own]) = (before[other] + more, other);
+                        (costs[own], best[own]) = (before[other] + more, other);
                     }
                 }
             }
