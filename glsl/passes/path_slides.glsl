@@ -5,6 +5,9 @@
 #include "passes/path_state.glsl"
 #include "passes/path_cell.glsl"
 
+// Relative excess over the map's value up to which a path is accepted, as on the CPU.
+const float TOO_LONG = 5e-4;
+
 // The cell of the last line. The next line mostly lies in it too.
 Cell line_cell;
 
@@ -16,12 +19,13 @@ vec2 vertex_at(int number, int vertex) {
     return place_at(word_of(number, vertex));
 }
 
-// Returns whether a path is longer than the map's value, so that its vertices slide.
+// Returns whether a path is too long for the map's value, so that its vertices slide.
 bool slides(int number) {
     int record = number * CURVE_WORDS;
     if (number >= records || curves[record + 5] != COMPLETE) return false;
     float start = source(int(curves[record + 6])).time;
-    return uintBitsToFloat(curves[record + 8]) > uintBitsToFloat(curves[record + 7]) - start;
+    float value = uintBitsToFloat(curves[record + 7]) - start;
+    return uintBitsToFloat(curves[record + 8]) > (1.0 + TOO_LONG) * value;
 }
 
 // Returns whether two vertices are the ends of a line. On a seam, they are copies of one point.

@@ -66,7 +66,7 @@ impl LinkedPath {
         self.initial + self.length
     }
 
-    fn is_too_long(&self) -> bool {
+    pub(super) fn is_too_long(&self) -> bool {
         self.length > (1.0 + TOO_LONG) * (self.time - self.initial)
     }
 }

@@ -1,7 +1,7 @@
 //! Slides the vertices of a path over a slowness along the grid's edges.
 //!
 //! Where the slowness changes within a few cells, times between grid points follow no cubic, and lines that are searched
-//! one after another go astray. So the vertices of a path that is longer than its map's value are moved along their edges
+//! one after another go astray. So the vertices of a path that is too long for its map's value are moved along their edges
 //! in ever smaller steps. Each step takes the best of all combinations of moves within a window (dynamic programming),
 //! since a single vertex can hardly leave a line that is nearly straight. At a grid point, a vertex may leave along any
 //! of the four edges. There the path has two vertices, one for each edge that it crosses on either side of the point.
@@ -151,9 +151,9 @@ fn double(vertices: &mut Vec<DVec2>) {
 }
 
 impl Tracer<'_> {
-    /// Returns a path over a slowness with its vertices where it costs least, if it is longer than the map's value.
+    /// Returns a path over a slowness with its vertices where it costs least, if it is too long for the map's value.
     pub(super) fn slid(&self, path: LinkedPath) -> LinkedPath {
-        if self.edges.slowness().is_none() || path.length <= path.time - path.initial {
+        if self.edges.slowness().is_none() || !path.is_too_long() {
             return path;
         }
         let LinkedPath { mut vertices, .. } = path;
