@@ -2,7 +2,7 @@
 
 use std::any::Any;
 
-use super::buckets::BucketScanner;
+use super::buckets::in_order_of_time;
 use super::order::Order;
 use super::patches::PatchScanner;
 use super::scanner::Scanner;
@@ -57,14 +57,14 @@ fn scanner<R: Real>(
     wavefront: Wavefront,
     order: Order,
 ) -> Box<dyn Scans<R>> {
-    if order == Order::Times {
+    if let Some(side) = order.in_time() {
         match FrontOver::new(edges, wavefront) {
-            FrontOver::Planar(kind) => return Box::new(BucketScanner::new(edges, kind)),
-            FrontOver::Circular(kind) => return Box::new(BucketScanner::new(edges, kind)),
-            FrontOver::Curved(kind) => return Box::new(BucketScanner::new(edges, kind)),
-            FrontOver::Rays(kind) => return Box::new(BucketScanner::new(edges, kind)),
-            FrontOver::SlowedPlanar(kind) => return Box::new(BucketScanner::new(edges, kind)),
-            FrontOver::SlowedCurved(kind) => return Box::new(BucketScanner::new(edges, kind)),
+            FrontOver::Planar(kind) => return in_order_of_time(edges, kind, side),
+            FrontOver::Circular(kind) => return in_order_of_time(edges, kind, side),
+            FrontOver::Curved(kind) => return in_order_of_time(edges, kind, side),
+            FrontOver::Rays(kind) => return in_order_of_time(edges, kind, side),
+            FrontOver::SlowedPlanar(kind) => return in_order_of_time(edges, kind, side),
+            FrontOver::SlowedCurved(kind) => return in_order_of_time(edges, kind, side),
             FrontOver::Anchored(_) => {}
         }
     }
@@ -105,7 +105,8 @@ const FURTHER: [f64; 6] = [0.02, 0.06, 0.15, 0.3, 0.6, 1.0];
 /// bit-identical for any number of threads. [`RotatedScan::new`] chooses the order by that number.
 ///
 /// Where a slowness changes much from point to point, points are updated in the order in which fronts reach them
-/// ([`Order::Times`]). Such a map takes one iteration, whatever [`Stop`] says, and ends at its targets or its radius.
+/// ([`Order::Times`], with several threads [`Order::TimesInPatches`]). Such a map takes one iteration, whatever [`Stop`]
+/// says, and ends at its targets or its radius.
 ///
 /// With patches, the number of iterations of a map is that of the patch with the most iterations, and
 /// [`Stop::iterations`] limits the iterations of each patch. The residual is the largest change in the last iteration

@@ -253,7 +253,7 @@ impl Bench<'_> {
         let threads = rayon::current_num_threads();
         match Order::best_for(chart, threads) {
             Order::Lines | Order::Times => self.cpu,
-            Order::Patches { .. } => {
+            Order::Patches { .. } | Order::TimesInPatches { .. } => {
                 *self.patches.get_or_insert_with(|| cpu::CpuCeilings::measure(threads))
             }
         }

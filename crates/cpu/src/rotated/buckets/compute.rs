@@ -10,7 +10,7 @@ use geosweep_surface::{Real, SplitPart};
 const IN_ORDER: u8 = 1;
 
 /// Least change of a front after which points that depend on it are computed again, in units of the rounding of its time.
-const CHANGE: u32 = 2;
+pub(super) const CHANGE: u32 = 2;
 
 impl<R: Real, K: TriangleKind<R>> BucketScanner<R, K> {
     /// Computes the fronts at points.
@@ -67,26 +67,27 @@ impl<R: Real, K: TriangleKind<R>> BucketScanner<R, K> {
     #[inline(always)]
     fn add_behind(&self, point: usize, lanes: &mut Pulled<R, K::Carried>) {
         let fronts = (self.fronts.settled.as_slice(), self.fronts.carried.as_slice());
-        self.neighbours.add_behind(&self.lengths, fronts, point, lanes);
+        self.neighbours.add_behind(&self.lengths, fronts, self.place(point), lanes);
     }
 
     /// Returns the earlier of a front at a point and the fronts through parts of its obtuse triangles.
     #[inline(never)]
     fn through_parts(&self, point: usize, first: Option<K::Arrival>) -> Option<K::Arrival> {
-        let parts = self.parts.iter().flat_map(|parts| parts.behind(point));
-        let arrivals = parts.filter_map(|part| self.through_part(point, part));
+        let on_surface = self.view.on_surface(point);
+        let parts = self.parts.iter().flat_map(|parts| parts.behind(on_surface));
+        let arrivals = parts.filter_map(|part| self.through_part(on_surface, part));
         first.into_iter().chain(arrivals).reduce(K::Carried::earlier)
     }
 
-    /// Returns the front that reaches a point through a part of an obtuse triangle, or `None` if no front at its other
-    /// corners is final.
+    /// Returns the front that reaches a point of the surface through a part of an obtuse triangle, or `None` if no front
+    /// at its other corners is final.
     pub(super) fn through_part(&self, point: usize, part: SplitPart<R>) -> Option<K::Arrival> {
-        let is_final = part.corners.map(|corner| self.fronts.is_final(corner));
+        let ends = part.corners.map(|corner| self.view.here(corner));
+        let is_final = ends.map(|end| self.fronts.is_final(end));
         if is_final == [false, false] {
             return None;
         }
-        let fronts =
-            [0, 1].map(|k| if is_final[k] { self.fronts.at(part.corners[k]) } else { none() });
+        let fronts = [0, 1].map(|k| if is_final[k] { self.fronts.at(ends[k]) } else { none() });
         let ([a, b], [l1, l2, c]) = (fronts, part.lengths);
         let triangle = Triangle { t1: a.time, t2: b.time, l1, l2, c };
         let corners = [point, part.corners[0], part.corners[1]];
@@ -130,6 +131,9 @@ impl<R: Real, K: TriangleKind<R>> BucketScanner<R, K> {
         self.fronts.set(point, front);
         self.fronts.settled[point] = front.time;
         self.states[point].set(State::COMPUTED);
+        if self.states[point].is(State::SHARED) {
+            self.news.push(point as u32);
+        }
     }
 
     /// Lets a point wait again, since its front arrives later than the bucket in work or than the limit, or no longer.
@@ -142,6 +146,9 @@ impl<R: Real, K: TriangleKind<R>> BucketScanner<R, K> {
             solver.states[copy].set(if waits { State::WAITS } else { 0 });
         });
         if !waits {
+            if self.states[point].is(State::SHARED) {
+                self.news.push(point as u32);
+            }
         } else if front.time.wide() > self.settings.limit.time() {
             self.beyond.push(point as u32);
         } else {

@@ -8,23 +8,27 @@
 //! lanes (`fronts/pulled.rs`).
 
 mod compute;
+mod in_patches;
 mod neighbours;
 mod pass_on;
 mod queue;
 mod state;
+mod view;
 
 use std::sync::Arc;
 
-use self::neighbours::{Lengths, Neighbours, lengths_of};
+pub(super) use self::in_patches::in_order_of_time;
+use self::neighbours::{Lengths, Neighbours, Place, lengths_of};
 use self::queue::{Buckets, width};
 use self::state::{State, StoredFronts, none, waiting};
+use self::view::View;
 use super::prepared::Settings;
 use super::scans::Scans;
 use crate::Instructions;
 use crate::fronts::{BATCH, Fronts, MOST, Pulled, TriangleKind, prefetch_rows};
 use crate::limit::Limit;
 use geosweep_surface::lanes::Loop;
-use geosweep_surface::update::StoredFront;
+use geosweep_surface::update::{StoredFront, tag_of};
 use geosweep_surface::{Block, Convergence, EdgeLengths, Monitor, PartsAround, Real, Seed, Stop};
 
 /// A solver for one kind of front; see [`crate::RotatedScan`].
@@ -33,9 +37,10 @@ pub(crate) struct BucketScanner<R: Real, K: TriangleKind<R>> {
     edges: EdgeLengths<R>,
     kind: K,
     settings: Settings,
+    view: View,
     neighbours: Neighbours,
     lengths: Arc<Lengths<R>>,
-    parts: Option<PartsAround<R>>,
+    parts: Option<Arc<PartsAround<R>>>,
     fronts: StoredFronts<R, K::Carried>,
     states: Vec<State>,
     queue: Buckets,
@@ -45,6 +50,8 @@ pub(crate) struct BucketScanner<R: Real, K: TriangleKind<R>> {
     seeds: Vec<(u32, StoredFront<R, K::Carried>)>,
     /// The points that have been reached.
     reached: Vec<u32>,
+    /// Points that other patches see and whose fronts have changed.
+    news: Vec<u32>,
     /// Numbers of points whose fronts have been computed, and of triangles that this took.
     taken: u64,
     triangles: u64,
@@ -54,35 +61,74 @@ pub(crate) struct BucketScanner<R: Real, K: TriangleKind<R>> {
 const FEW_TARGETS: usize = 16;
 const SELDOM: u64 = 16;
 
+/// Number of buckets ahead of the one in work whose points are not sorted again.
+const BUCKETS: usize = 1 << 11;
+
 /// Mean number of computations of a point after which a map counts as one that does not converge.
 const MOST_COMPUTED: u64 = 64;
 
-impl<R: Real, K: TriangleKind<R>> BucketScanner<R, K> {
-    pub(crate) fn new(edges: &EdgeLengths<R>, kind: K) -> Self {
-        let chart = edges.chart();
-        let points = chart.bordered_points();
-        let settings = Settings {
-            limit: Limit::NONE,
-            instructions: Instructions::best(),
-            monitor: Monitor::default(),
-        };
+/// What solvers of all patches of a surface share.
+#[derive(Clone, Debug)]
+struct Shared<R: Real, K> {
+    edges: EdgeLengths<R>,
+    kind: K,
+    settings: Settings,
+    lengths: Arc<Lengths<R>>,
+    parts: Option<Arc<PartsAround<R>>>,
+    /// The time that a bucket spans.
+    width: f64,
+}
+
+impl<R: Real, K> Shared<R, K> {
+    fn new(edges: &EdgeLengths<R>, kind: K) -> Self {
         Self {
             edges: edges.clone(),
-            parts: PartsAround::of(edges),
+            kind,
+            settings: Settings {
+                limit: Limit::NONE,
+                instructions: Instructions::best(),
+                monitor: Monitor::default(),
+            },
+            lengths: Arc::new(lengths_of(edges)),
+            parts: PartsAround::of(edges).map(Arc::new),
+            width: width(edges),
+        }
+    }
+
+    fn bytes(&self) -> usize {
+        size_of_val(self.lengths.as_slice()) + self.parts.as_ref().map_or(0, |parts| parts.bytes())
+    }
+}
+
+impl<R: Real, K: TriangleKind<R>> BucketScanner<R, K> {
+    fn new(shared: Shared<R, K>) -> Self {
+        let view = View::whole(shared.edges.chart());
+        Self::of(shared, view, BUCKETS)
+    }
+
+    /// Returns a solver for the points of a view, with a queue of `buckets` buckets.
+    fn of(shared: Shared<R, K>, view: View, buckets: usize) -> Self {
+        let Shared { edges, kind, settings, lengths, parts, width } = shared;
+        let points = view.layout().bordered_points();
+        Self {
+            neighbours: Neighbours::new(edges.chart(), view.layout()),
+            edges,
+            parts,
             kind,
             settings,
-            neighbours: Neighbours::new(chart),
-            lengths: Arc::new(lengths_of(edges)),
+            view,
+            lengths,
             fronts: StoredFronts {
                 times: vec![R::FAR; points],
                 carried: vec![K::Carried::default(); points],
                 settled: vec![R::FAR; points],
             },
             states: vec![State::default(); points],
-            queue: Buckets::new(width(edges)),
+            queue: Buckets::new(width, buckets),
             beyond: Vec::new(),
             seeds: Vec::new(),
             reached: Vec::new(),
+            news: Vec::new(),
             taken: 0,
             triangles: 0,
         }
@@ -94,7 +140,7 @@ impl<R: Real, K: TriangleKind<R>> BucketScanner<R, K> {
         for &point in &self.reached {
             self.fronts.set(point as usize, none());
             self.fronts.settled[point as usize] = R::FAR;
-            self.states[point as usize] = State::default();
+            self.states[point as usize].clear(State::WAITS | State::COMPUTED | State::SEED);
         }
         self.reached.clear();
         self.seeds.clear();
@@ -103,31 +149,60 @@ impl<R: Real, K: TriangleKind<R>> BucketScanner<R, K> {
         (self.taken, self.triangles) = (0, 0);
     }
 
-    fn seed(&mut self, seeds: &[Seed]) {
-        let mut started = Vec::new();
-        let (reached, times) = (&mut self.reached, self.fronts.times.as_mut_slice());
-        let fronts = (times, self.fronts.carried.as_mut_slice());
-        self.kind.start(self.edges.chart(), seeds, fronts, |_, point, [before, after]| {
-            if before.time >= R::FAR {
-                reached.push(point as u32);
-            }
-            if after != before {
-                started.push((point, after));
-            }
-        });
-        for (point, front) in started {
-            self.each_copy(point, |solver, copy| {
-                if solver.fronts.times[copy] >= R::FAR {
-                    solver.reached.push(copy as u32);
-                }
-                if copy == point || front.time < solver.fronts.times[copy] {
-                    solver.fronts.set(copy, front);
-                }
-                solver.states[copy].set(State::SEED);
-                solver.seeds.push((copy as u32, front));
-            });
-            self.wait(point, front.time);
+    /// Prepares the map for fronts of new sources: they replace those of exact seeds too.
+    fn release(&mut self) {
+        for &point in &self.reached {
+            let carried = &mut self.fronts.carried[point as usize];
+            *carried = carried.released();
         }
+        for (_, front) in &mut self.seeds {
+            front.carried = front.carried.released();
+        }
+        self.requeue_waiting();
+    }
+
+    fn seed(&mut self, seeds: &[Seed]) {
+        self.kind.expect(seeds);
+        for seed in seeds {
+            let arrival = self.kind.arrival_of_seed(seed);
+            self.plant(self.view.at((seed.row, seed.col)), arrival, tag_of(seed));
+        }
+    }
+
+    /// Starts the front of a seed, unless the present front at its point and copies is kept.
+    fn plant(&mut self, point: usize, arrival: K::Arrival, tag: u8) {
+        let before = self.fronts.at(point);
+        let front = K::Carried::accept(before, arrival, tag, false);
+        if front == before {
+            return;
+        }
+        self.each_copy(point, |solver, copy| {
+            if solver.fronts.times[copy] >= R::FAR {
+                solver.reached.push(copy as u32);
+            }
+            if copy == point || front.time < solver.fronts.times[copy] {
+                solver.fronts.set(copy, front);
+            }
+            solver.states[copy].set(State::SEED);
+            solver.seeds.push((copy as u32, front));
+        });
+        self.wait(point, front.time);
+    }
+
+    /// Returns the number of bytes held, without what patches share.
+    fn own_bytes(&self) -> usize {
+        size_of_val(self.fronts.times.as_slice())
+            + size_of_val(self.fronts.settled.as_slice())
+            + size_of_val(self.fronts.carried.as_slice())
+            + self.states.len()
+            + size_of_val(self.reached.as_slice())
+            + self.view.bytes()
+    }
+
+    /// Returns a point with its index on the surface.
+    #[inline(always)]
+    fn place(&self, point: usize) -> Place {
+        Place { here: point, on_surface: self.view.on_surface(point) }
     }
 
     /// Calls `visit` with all copies of a point, on a glued surface, including the point itself.
@@ -155,7 +230,8 @@ impl<R: Real, K: TriangleKind<R>> BucketScanner<R, K> {
     /// Computes the fronts of points until none waits, up to the limit.
     fn run(&mut self) -> Convergence {
         let targets = self.settings.limit.targets().len();
-        let (mut lanes, mut arrivals) = (Box::new(Pulled::new()), None);
+        let mut lanes = Box::new(Pulled::new());
+        let mut arrivals = [K::Carried::arrival_of_front(none()); MOST];
         let (mut buckets, mut residual) = (0u64, 0.0);
         loop {
             let instructions = self.settings.instructions;
@@ -168,10 +244,7 @@ impl<R: Real, K: TriangleKind<R>> BucketScanner<R, K> {
             if targets > 0 && (targets <= FEW_TARGETS || buckets.is_multiple_of(SELDOM)) {
                 self.lower_limit();
             }
-            let (times, states) = (&self.fronts.times, &self.states);
-            let limit = self.settings.limit.time();
-            let key = |point: u32| waiting(times, states, limit, point);
-            if !self.queue.advance(key) || self.queue.time() > limit {
+            if !self.advance(f64::INFINITY) || self.queue.time() > self.settings.limit.time() {
                 break;
             }
             if buckets.is_multiple_of(SELDOM) && self.settings.monitor.is_cancelled() {
@@ -186,13 +259,32 @@ impl<R: Real, K: TriangleKind<R>> BucketScanner<R, K> {
         Convergence { iterations: 1, residual }
     }
 
+    /// Goes on to the next bucket, not beyond a time. Returns whether there is one.
+    fn advance(&mut self, until: f64) -> bool {
+        let (times, states) = (&self.fronts.times, &self.states);
+        let limit = self.settings.limit.time();
+        self.queue.advance(until, |point| waiting(times, states, limit, point))
+    }
+
     /// Lowers the limit to the time of the targets, once their fronts are final.
     fn lower_limit(&mut self) {
-        let (chart, before) = (self.edges.chart(), self.settings.limit.time());
-        let settled = &self.fronts.settled;
-        self.settings.limit.lower(|[row, col]| settled[chart.bordered(row, col)].wide());
+        let before = self.settings.limit.time();
+        let (view, settled) = (&self.view, &self.fronts.settled);
+        self.settings.limit.lower(|[row, col]| settled[view.at((row, col))].wide());
         if self.settings.limit.time() < before {
             self.requeue_waiting();
+        }
+    }
+
+    /// Sorts points that wait into buckets again, up to a later limit.
+    fn go_on_to(&mut self, limit: Limit) {
+        self.settings.limit = limit;
+        self.requeue_waiting();
+        for point in std::mem::take(&mut self.beyond) {
+            let (point, time) = (point as usize, self.fronts.times[point as usize].wide());
+            if self.states[point].is(State::WAITS) {
+                self.queue.push(point as u32, time);
+            }
         }
     }
 
@@ -209,18 +301,18 @@ impl<R: Real, K: TriangleKind<R>> BucketScanner<R, K> {
     fn run_batch(
         &mut self,
         lanes: &mut Pulled<R, K::Carried>,
-        arrivals: &mut Option<[K::Arrival; MOST]>,
+        arrivals: &mut [K::Arrival; MOST],
     ) -> bool {
         let (mut batch, mut count) = ([0; BATCH], 0);
         while count < BATCH {
             let Some(point) = self.queue.take() else { break };
             if let Some(ahead) = self.queue.ahead(2 * BATCH) {
-                let rows = self.neighbours.rows_of(ahead as usize);
-                prefetch_rows(&self.lengths, rows);
+                let [rows, on_surface] = self.neighbours.rows_of(self.place(ahead as usize));
+                prefetch_rows(&self.lengths, on_surface);
                 prefetch_rows(&self.fronts.times, rows);
                 prefetch_rows(&self.fronts.settled, rows);
                 prefetch_rows(&self.fronts.carried, rows);
-                self.kind.prefetch(rows);
+                self.kind.prefetch(on_surface);
             }
             let point = point as usize;
             if self.states[point].is(State::WAITS) {
@@ -230,7 +322,6 @@ impl<R: Real, K: TriangleKind<R>> BucketScanner<R, K> {
             }
         }
         let batch = &batch[..count];
-        let arrivals = arrivals.get_or_insert([K::Carried::arrival_of_front(none()); MOST]);
         if self.edges.copies().is_some() {
             batch.iter().for_each(|&point| self.compute_copies(point, lanes, arrivals));
         } else {
@@ -254,7 +345,7 @@ impl<R: Real, K: TriangleKind<R>> BucketScanner<R, K> {
 struct Bucket<'a, R: Real, K: TriangleKind<R>> {
     solver: &'a mut BucketScanner<R, K>,
     lanes: &'a mut Pulled<R, K::Carried>,
-    arrivals: &'a mut Option<[K::Arrival; MOST]>,
+    arrivals: &'a mut [K::Arrival; MOST],
 }
 
 impl<R: Real, K: TriangleKind<R>> Loop for Bucket<'_, R, K> {
@@ -274,27 +365,13 @@ impl<R: Real, K: TriangleKind<R>> Scans<R> for BucketScanner<R, K> {
     }
 
     fn add(&mut self, seeds: &[Seed], _: Stop) -> Convergence {
-        for &point in &self.reached {
-            let carried = &mut self.fronts.carried[point as usize];
-            *carried = carried.released();
-        }
-        for (_, front) in &mut self.seeds {
-            front.carried = front.carried.released();
-        }
-        self.requeue_waiting();
+        self.release();
         self.seed(seeds);
         self.run()
     }
 
     fn go_on(&mut self, _: &[Seed], _: Stop, limit: Limit) -> Option<Convergence> {
-        self.settings.limit = limit;
-        self.requeue_waiting();
-        for point in std::mem::take(&mut self.beyond) {
-            let (point, time) = (point as usize, self.fronts.times[point as usize].wide());
-            if self.states[point].is(State::WAITS) {
-                self.queue.push(point as u32, time);
-            }
-        }
+        self.go_on_to(limit);
         let any = self.queue.has_points();
         any.then(|| self.run())
     }
@@ -326,13 +403,8 @@ impl<R: Real, K: TriangleKind<R>> Scans<R> for BucketScanner<R, K> {
     }
 
     fn bytes(&self) -> usize {
-        size_of_val(self.fronts.times.as_slice())
-            + size_of_val(self.fronts.settled.as_slice())
-            + size_of_val(self.fronts.carried.as_slice())
-            + self.states.len()
-            + size_of_val(self.lengths.as_slice())
-            + size_of_val(self.reached.as_slice())
-            + self.parts.as_ref().map_or(0, PartsAround::bytes)
+        let parts = self.parts.as_ref().map_or(0, |parts| parts.bytes());
+        self.own_bytes() + size_of_val(self.lengths.as_slice()) + parts
     }
 
     fn is_in_order_of_time(&self) -> bool {

@@ -10,6 +10,16 @@ use rayon::prelude::*;
 pub(super) struct Neighbours {
     to: [Offset; 8],
     stride: usize,
+    /// The same on the surface, whose arrays hold the edges.
+    on_surface: [Offset; 8],
+    stride_on_surface: usize,
+}
+
+/// A point: its indices in the arrays of fronts and in those of the surface.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Place {
+    pub here: usize,
+    pub on_surface: usize,
 }
 
 /// Lengths of the four edges that are stored at each point, as a bordered array. A point needs sixteen of its own edges
@@ -60,8 +70,15 @@ pub(super) struct Later<R> {
 }
 
 impl Neighbours {
-    pub(super) fn new(chart: Chart) -> Self {
-        Self { to: Direction::ALL.map(|to| chart.offset(to)), stride: chart.stride() }
+    /// Returns the neighbours of points whose fronts lie in arrays of the layout `own`.
+    pub(super) fn new(surface: Chart, own: Chart) -> Self {
+        let offsets = |chart: Chart| Direction::ALL.map(|to| chart.offset(to));
+        Self {
+            to: offsets(own),
+            stride: own.stride(),
+            on_surface: offsets(surface),
+            stride_on_surface: surface.stride(),
+        }
     }
 
     /// Adds the triangles through which the first front may reach a point, given the times of the fronts that count. Of
@@ -71,11 +88,11 @@ impl Neighbours {
         &self,
         lengths: &[[R; 4]],
         (settled, carried): (&[R], &[C]),
-        point: usize,
+        point: Place,
         lanes: &mut Pulled<R, C>,
     ) {
-        let around = self.around(settled, point);
-        let Around { edges, bases } = self.lengths(lengths, point);
+        let around = self.around(settled, point.here);
+        let Around { edges, bases } = self.lengths(lengths, point.on_surface);
         let mut by_edges = [R::FAR; 8];
         for k in 0..8 {
             by_edges[k] = around[k] + edges[k];
@@ -99,10 +116,11 @@ impl Neighbours {
         for k in bits(triangles) {
             let ends = [k, (k + 1) % 8];
             let at = |k: usize| {
-                let x = self.to[k].from(point);
+                let x = self.to[k].from(point.here);
                 if counts >> k & 1 == 1 { (around[k], carried[x]) } else { (R::FAR, C::default()) }
             };
-            let corners = [point, self.to[ends[0]].from(point), self.to[ends[1]].from(point)];
+            let [x1, x2] = ends.map(|k| self.on_surface[k].from(point.on_surface));
+            let corners = [point.on_surface, x1, x2];
             let ([(t1, c1), (t2, c2)], l1, l2) =
                 ([at(ends[0]), at(ends[1])], edges[ends[0]], edges[ends[1]]);
             let triangle = Triangle { t1, t2, l1, l2, c: bases[ends[0]] };
@@ -116,20 +134,22 @@ impl Neighbours {
         &self,
         lengths: &[[R; 4]],
         (settled, carried): (&[R], &[C]),
-        [point, number]: [usize; 2],
+        (point, number): (Place, usize),
         lanes: &mut Pulled<R, C>,
     ) {
-        let Around { edges, bases } = self.lengths(lengths, point);
-        for a in [number, (number + 7) % 8] {
+        let Around { edges, bases } = self.lengths(lengths, point.on_surface);
+        for a in [number % 8, (number + 7) % 8] {
             let b = (a + 1) % 8;
             let at = |k: usize| {
-                let x = self.neighbour(point, k);
+                let x = self.to[k].from(point.here);
                 let carried = if settled[x] < R::FAR { carried[x] } else { C::default() };
-                (x, settled[x], carried)
+                (settled[x], carried)
             };
-            let [(x1, t1, c1), (x2, t2, c2)] = [at(a), at(b)];
+            let [(t1, c1), (t2, c2)] = [at(a), at(b)];
+            let [x1, x2] = [a, b].map(|k| self.on_surface[k].from(point.on_surface));
             let triangle = Triangle { t1, t2, l1: edges[a], l2: edges[b], c: bases[a] };
-            lanes.add([point, x1, x2], triangle, [c1, c2], is_alone(a, triangle));
+            let corners = [point.on_surface, x1, x2];
+            lanes.add(corners, triangle, [c1, c2], is_alone(a, triangle));
         }
     }
 
@@ -139,11 +159,11 @@ impl Neighbours {
         &self,
         lengths: &[[R; 4]],
         [times, settled]: [&[R]; 2],
-        point: usize,
+        Place { here, on_surface }: Place,
     ) -> Later<R> {
-        let own = times[point];
-        let (times, settled) = (self.around(times, point), self.around(settled, point));
-        let Around { edges, .. } = self.lengths(lengths, point);
+        let own = times[here];
+        let (times, settled) = (self.around(times, here), self.around(settled, here));
+        let Around { edges, .. } = self.lengths(lengths, on_surface);
         let mut by_edges = [own; 8];
         let mut later = Later { by_edges, waiting: 0, settled: 0 };
         for k in 0..8 {
@@ -157,21 +177,24 @@ impl Neighbours {
 
     /// Returns a neighbour of a point by its number in [`Direction::ALL`].
     #[inline(always)]
-    pub(super) fn neighbour(&self, point: usize, number: usize) -> usize {
-        self.to[number % 8].from(point)
+    pub(super) fn neighbour(&self, point: Place, number: usize) -> Place {
+        Place {
+            here: self.to[number % 8].from(point.here),
+            on_surface: self.on_surface[number % 8].from(point.on_surface),
+        }
     }
 
     /// Returns the entries of a bordered array at the eight neighbours of a point, in the order of [`Direction::ALL`].
     #[inline(always)]
     fn around<T: Copy>(&self, array: &[T], point: usize) -> [T; 8] {
-        let [above, own, below] = self.rows(array, point);
+        let [above, own, below] = rows(array, point, self.stride);
         [own[2], above[2], above[1], above[0], own[0], below[0], below[1], below[2]]
     }
 
     /// Returns the lengths of edges around a point. Each point stores those of [`geosweep_surface::STORED`].
     #[inline(always)]
     fn lengths<R: Real>(&self, lengths: &[[R; 4]], point: usize) -> Around<R> {
-        let [above, own, below] = self.rows(lengths, point);
+        let [above, own, below] = rows(lengths, point, self.stride_on_surface);
         let [east, north, north_east, north_west] = own[1];
         let edges =
             [east, north_east, north, north_west, own[0][0], below[0][2], below[1][1], below[2][3]];
@@ -188,18 +211,20 @@ impl Neighbours {
         Around { edges, bases }
     }
 
-    /// Returns the entries of a bordered array at a point and around it, row by row.
+    /// Returns the indices of a point and of those before and after it in its column: those of their fronts, and those
+    /// on the surface.
     #[inline(always)]
-    fn rows<'a, T>(&self, array: &'a [T], point: usize) -> [&'a [T; 3]; 3] {
-        let row = |first: usize| array[first..].first_chunk::<3>().expect("points have neighbours");
-        [row(point - self.stride - 1), row(point - 1), row(point + self.stride - 1)]
+    pub(super) fn rows_of(&self, Place { here, on_surface }: Place) -> [[usize; 3]; 2] {
+        let rows = |point: usize, stride: usize| [point - stride, point, point + stride];
+        [rows(here, self.stride), rows(on_surface, self.stride_on_surface)]
     }
+}
 
-    /// Returns a point, and those before and after it in its column.
-    #[inline(always)]
-    pub(super) fn rows_of(&self, point: usize) -> [usize; 3] {
-        [point - self.stride, point, point + self.stride]
-    }
+/// Returns the entries of a bordered array at a point and around it, row by row.
+#[inline(always)]
+fn rows<T>(array: &[T], point: usize, stride: usize) -> [&[T; 3]; 3] {
+    let row = |first: usize| array[first..].first_chunk::<3>().expect("points have neighbours");
+    [row(point - stride - 1), row(point - 1), row(point + stride - 1)]
 }
 
 /// Returns the numbers of the bits that are set among the lowest eight.
@@ -232,7 +257,7 @@ mod tests {
         let surface = Builtin::Peaks.surface(5, 6).unwrap();
         let edges = EdgeLengths::<f64>::new(&surface).unwrap();
         let (chart, lengths) = (edges.chart(), lengths_of(&edges));
-        let neighbours = Neighbours::new(chart);
+        let neighbours = Neighbours::new(chart, chart);
         for point in (0..chart.points()).map(|index| {
             let (row, col) = chart.position(index);
             chart.bordered(row, col)

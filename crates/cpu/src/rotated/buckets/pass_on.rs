@@ -16,14 +16,17 @@ impl<R: Real, K: TriangleKind<R>> BucketScanner<R, K> {
             return;
         }
         let StoredFronts { times, settled, .. } = &self.fronts;
-        let around = self.neighbours.later(&self.lengths, [times, settled], point);
+        let place = self.place(point);
+        let around = self.neighbours.later(&self.lengths, [times, settled], place);
         for k in bits(around.waiting) {
-            self.expect(self.neighbours.neighbour(point, k), around.by_edges[k]);
+            self.expect(self.neighbours.neighbour(place, k).here, around.by_edges[k]);
         }
         for k in bits(around.settled) {
-            let fronts = (self.fronts.settled.as_slice(), self.fronts.carried.as_slice());
-            let beside = [self.neighbours.neighbour(point, k), (k + 4) % 8];
-            self.neighbours.add_beside(&self.lengths, fronts, beside, lanes);
+            let other = self.neighbours.neighbour(place, k);
+            if !self.states[other.here].is(State::FOREIGN) {
+                let fronts = (self.fronts.settled.as_slice(), self.fronts.carried.as_slice());
+                self.neighbours.add_beside(&self.lengths, fronts, (other, k + 4), lanes);
+            }
         }
         if self.parts.is_some() {
             self.pass_on_through_parts(point);
@@ -48,11 +51,12 @@ impl<R: Real, K: TriangleKind<R>> BucketScanner<R, K> {
     fn pass_on_through_parts(&mut self, point: usize) {
         let Some(parts) = self.parts.take() else { return };
         let time = self.fronts.times[point];
-        for (to, part, length) in parts.beside(point) {
+        for (on_surface, part, length) in parts.beside(self.view.on_surface(point)) {
+            let Some(to) = self.view.own(on_surface) else { continue };
             if self.fronts.times[to] <= time {
             } else if !self.fronts.is_final(to) {
                 self.expect(to, time + length);
-            } else if let Some(arrival) = self.through_part(to, part) {
+            } else if let Some(arrival) = self.through_part(on_surface, part) {
                 self.call_back_if_first(to, arrival);
             }
         }
@@ -63,7 +67,7 @@ impl<R: Real, K: TriangleKind<R>> BucketScanner<R, K> {
     #[inline(always)]
     fn expect(&mut self, point: usize, time: R) {
         let (before, state) = (self.fronts.times[point], self.states[point]);
-        if state.is(State::COMPUTED) || time >= before {
+        if state.is(State::COMPUTED | State::FOREIGN) || time >= before {
             return;
         }
         if self.edges.copies().is_some() {
@@ -100,7 +104,7 @@ impl<R: Real, K: TriangleKind<R>> BucketScanner<R, K> {
         self.triangles += lanes.count as u64;
         self.kind.arrivals(lanes, arrivals);
         for (k, &arrival) in arrivals[..lanes.count].iter().enumerate() {
-            self.call_back_if_first(lanes.corners[0][k] as usize, arrival);
+            self.call_back_if_first(self.view.here(lanes.corners[0][k] as usize), arrival);
         }
         lanes.count = 0;
     }
@@ -127,17 +131,22 @@ impl<R: Real, K: TriangleKind<R>> BucketScanner<R, K> {
         let mut dependent = Vec::new();
         self.each_copy(point, |solver, copy| {
             let StoredFronts { times, settled, .. } = &solver.fronts;
-            let around = solver.neighbours.later(&solver.lengths, [times, settled], copy);
-            let of_edges = bits(around.settled);
+            let place = solver.place(copy);
+            let around = solver.neighbours.later(&solver.lengths, [times, settled], place);
+            let neighbour =
+                |k: usize| (solver.neighbours.neighbour(place, k).here, around.by_edges[k]);
+            dependent.extend(bits(around.settled).map(neighbour));
+            let parts = solver.parts.iter().flat_map(|parts| parts.beside(place.on_surface));
             dependent.extend(
-                of_edges.map(|k| (solver.neighbours.neighbour(copy, k), around.by_edges[k])),
+                parts.filter_map(|(to, _, length)| {
+                    Some((solver.view.own(to)?, before.time + length))
+                }),
             );
-            let parts = solver.parts.iter().flat_map(|parts| parts.beside(copy));
-            dependent.extend(parts.map(|(to, _, length)| (to, before.time + length)));
         });
         for (to, by_edge) in dependent {
             let time = self.fronts.times[to];
-            if self.fronts.is_final(to) && time > before.time {
+            let is_own = !self.states[to].is(State::FOREIGN);
+            if is_own && self.fronts.is_final(to) && time > before.time {
                 let arrival = by_edge + delay;
                 self.wait(to, if arrival < time { arrival } else { time });
             }

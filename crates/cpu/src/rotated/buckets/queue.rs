@@ -2,16 +2,14 @@
 
 use geosweep_surface::{EdgeLengths, FAR, Real};
 
-/// Number of buckets in the ring, a power of two.
-const RING: usize = 1 << 11;
-
 /// Points in buckets of arrival time. A bucket holds points in the order in which they came. The same point may be in
 /// several buckets; the caller knows which of these entries counts.
 #[derive(Clone, Debug)]
 pub(super) struct Buckets {
     /// Reciprocal of the time that a bucket spans.
     per_width: f64,
-    /// The buckets of the next times. Bucket n is at n modulo [`RING`].
+    /// The buckets of the next times, of which half may be in use. Their number is a power of two. Bucket n is at n modulo
+    /// this number.
     ring: Vec<Vec<u32>>,
     /// The bucket in work, and the number of its points that have been taken.
     now: u64,
@@ -26,11 +24,11 @@ pub(super) struct Buckets {
 }
 
 impl Buckets {
-    /// Creates an empty queue of buckets that span `width` each.
-    pub(super) fn new(width: f64) -> Self {
+    /// Creates an empty queue of buckets that span `width` each. Points of the next `held` buckets are not sorted again.
+    pub(super) fn new(width: f64, held: usize) -> Self {
         Self {
             per_width: width.recip(),
-            ring: vec![Vec::new(); RING],
+            ring: vec![Vec::new(); 2 * held.next_power_of_two()],
             now: 0,
             taken: 0,
             held: 0,
@@ -56,9 +54,9 @@ impl Buckets {
     pub(super) fn restart(&mut self, time: impl Fn(u32) -> Option<f64>) {
         let taken = self.taken;
         let waiting: Vec<u32> = match self.has_points() {
-            true => (0..RING)
+            true => (0..self.ring.len())
                 .flat_map(|ahead| {
-                    let at = (self.now as usize + ahead) % RING;
+                    let at = self.place(self.now + ahead as u64);
                     let from = if ahead == 0 { taken } else { 0 };
                     self.ring[at][from..].iter().copied()
                 })
@@ -78,6 +76,12 @@ impl Buckets {
     #[inline(always)]
     fn number(&self, time: f64) -> u64 {
         ((time * self.per_width) as u64).max(self.now)
+    }
+
+    /// Returns the place of a bucket in the ring.
+    #[inline(always)]
+    fn place(&self, number: u64) -> usize {
+        number as usize & (self.ring.len() - 1)
     }
 
     /// Returns whether two arrival times share a bucket.
@@ -104,12 +108,13 @@ impl Buckets {
 
     #[inline(always)]
     fn put(&mut self, point: u32, number: u64) {
-        if number - self.now >= RING as u64 {
+        if number - self.now >= self.ring.len() as u64 / 2 {
             self.later.push(point);
             self.first_later = self.first_later.min(number);
             return;
         }
-        let bucket = &mut self.ring[number as usize % RING];
+        let place = self.place(number);
+        let bucket = &mut self.ring[place];
         if bucket.capacity() == 0
             && let Some(memory) = self.free.pop()
         {
@@ -122,7 +127,7 @@ impl Buckets {
     /// Takes the next point of the bucket in work.
     #[inline(always)]
     pub(super) fn take(&mut self) -> Option<u32> {
-        let point = self.ring[self.now as usize % RING].get(self.taken).copied();
+        let point = self.ring[self.place(self.now)].get(self.taken).copied();
         self.taken += usize::from(point.is_some());
         point
     }
@@ -130,35 +135,57 @@ impl Buckets {
     /// Returns the point of the bucket in work that comes `ahead` points after the next one.
     #[inline(always)]
     pub(super) fn ahead(&self, ahead: usize) -> Option<u32> {
-        self.ring[self.now as usize % RING].get(self.taken + ahead).copied()
+        self.ring[self.place(self.now)].get(self.taken + ahead).copied()
     }
 
-    /// Goes on to the next bucket that has points, after all points of the bucket in work were taken. `time` returns the
-    /// arrival time of a point, or `None` if its entry does not count. Returns whether there is such a bucket.
-    pub(super) fn advance(&mut self, time: impl Fn(u32) -> Option<f64>) -> bool {
-        let bucket = &mut self.ring[self.now as usize % RING];
+    /// Goes back to the bucket of an earlier time, but by half of the ring at most. All points of the bucket in work were
+    /// taken.
+    pub(super) fn go_back(&mut self, time: f64) {
+        let most = self.ring.len() as u64 / 2;
+        let earlier = ((time * self.per_width) as u64).max(self.now.saturating_sub(most));
+        self.now = self.now.min(earlier);
+    }
+
+    /// Goes on to the next bucket that has points, after all points of the bucket in work were taken, but not beyond the
+    /// time `until`. `time` returns the arrival time of a point, or `None` if its entry does not count. Returns whether
+    /// there is such a bucket.
+    pub(super) fn advance(&mut self, until: f64, time: impl Fn(u32) -> Option<f64>) -> bool {
+        let place = self.place(self.now);
+        let bucket = &mut self.ring[place];
         self.held -= bucket.len();
         bucket.clear();
         self.taken = 0;
         self.free.push(std::mem::take(bucket));
-        let next = (self.held > 0).then(|| {
-            let filled = |&number: &u64| !self.ring[number as usize % RING].is_empty();
-            (self.now..).find(filled).expect("the ring has points")
-        });
-        let first = next.unwrap_or(u64::MAX);
-        if self.first_later > first || self.later.is_empty() {
-            self.now = next.unwrap_or(self.now);
-            return next.is_some();
+        let last = self.number(until);
+        let mut next = self.first_held();
+        if self.first_later <= next.unwrap_or(u64::MAX).min(last) && !self.later.is_empty() {
+            // Points beyond the ring are sorted in again.
+            let points = std::mem::take(&mut self.later);
+            let numbered = |point: u32| time(point).map(|time| (point, self.number(time)));
+            let points: Vec<_> = points.into_iter().filter_map(numbered).collect();
+            next = points.iter().map(|&(_, number)| number).chain(next).min();
+            self.now = next.map_or(self.now, |next| next.min(last));
+            self.first_later = u64::MAX;
+            points.into_iter().for_each(|(point, number)| self.put(point, number));
         }
-        // Points beyond the ring are sorted in again.
-        let points = std::mem::take(&mut self.later);
-        let numbered = |point: u32| time(point).map(|time| (point, self.number(time)));
-        let points: Vec<_> = points.into_iter().filter_map(numbered).collect();
-        let of_points = points.iter().map(|&(_, number)| number).min();
-        let Some(now) = [next, of_points].into_iter().flatten().min() else { return false };
-        (self.now, self.first_later) = (now, u64::MAX);
-        points.into_iter().for_each(|(point, number)| self.put(point, number));
-        true
+        let Some(next) = next.or((!self.later.is_empty()).then_some(u64::MAX)) else {
+            return false;
+        };
+        self.now = next.min(last);
+        next <= last
+    }
+
+    /// Returns the first bucket of the ring that has points.
+    fn first_held(&self) -> Option<u64> {
+        let filled = |&number: &u64| !self.ring[self.place(number)].is_empty();
+        (self.held > 0).then(|| (self.now..).find(filled).expect("the ring has points"))
+    }
+
+    /// Returns a time before which no point waits, or `None` if none waits.
+    pub(super) fn next(&self) -> Option<f64> {
+        let later = (!self.later.is_empty()).then_some(self.first_later);
+        let next = self.first_held().into_iter().chain(later).min();
+        next.map(|next| next as f64 / self.per_width)
     }
 }
 
@@ -194,7 +221,7 @@ mod tests {
         // Times far apart, which fill the ring many times.
         let times: Vec<f64> = (0..4000u32).map(|k| f64::from(k * 7919 % 4001).powi(2)).collect();
         for width in [0.1, 3.0, 1e5, 1e9] {
-            let mut queue = Buckets::new(width);
+            let mut queue = Buckets::new(width, 1 << 11);
             let held =
                 |point: u32| Some(times[point as usize]).filter(|_| !point.is_multiple_of(5));
             (0..2000).for_each(|point| queue.push(point, times[point as usize]));
@@ -216,7 +243,7 @@ mod tests {
                     }
                     next += 1;
                 }
-                if !queue.advance(held) {
+                if !queue.advance(f64::INFINITY, held) {
                     break;
                 }
                 assert!(queue.time() >= last);

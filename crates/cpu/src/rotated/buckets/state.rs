@@ -42,6 +42,10 @@ impl State {
     pub(super) const COMPUTED: u8 = 2;
     /// A seed is at the point.
     pub(super) const SEED: u8 = 4;
+    /// The point belongs to another patch, from which its front comes.
+    pub(super) const FOREIGN: u8 = 8;
+    /// Other patches see the point.
+    pub(super) const SHARED: u8 = 16;
 
     #[inline(always)]
     pub(super) fn is(self, bits: u8) -> bool {
