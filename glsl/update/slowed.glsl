@@ -100,6 +100,12 @@ vec4 rise_through(Slope front, Rays rays, vec4 place) {
     return n / (1.0 + root) - 0.5 * front.bulge * (place * (1.0 - place)) + cost_of_ray(rays, place);
 }
 
+// Returns the curvatures of fronts after lengths in which they spread as on a plane, 0 where they would meet their focus.
+vec4 spread_by(vec4 curvature, vec4 length) {
+    vec4 goes_on = 1.0 + curvature * length;
+    return mix(curvature / goes_on, vec4(0.0), lessThan(goes_on, vec4(FOCUS)));
+}
+
 // Returns the arrival times at x0 of straight fronts, given the slowness `s0` at x0.
 vec4 planar_slowed(EndFronts end1, EndFronts end2, vec4 s0, vec4 l1, vec4 l2, vec4 c) {
     vec4 along_edge = edge_step(end1.time, end2.time, l1, l2);
@@ -213,13 +219,12 @@ Fronts curved_slowed(EndFronts end1, EndFronts end2, vec4 g0, vec4 s0, vec4 l1, 
     vec4 from = far + place * (near - far);
     vec4 spreads = 1.0 + jump * (1.0 / (from * own) - 1.0);
     vec4 spread = max(rise, 0.0) * spreads;
-    vec4 far_end = far_kappa / max(1.0 + far_kappa * spread, FOCUS);
-    vec4 near_end = near_kappa / max(1.0 + near_kappa * (spread - d * spreads), FOCUS);
+    vec4 far_end = spread_by(far_kappa, spread);
+    vec4 near_end = spread_by(near_kappa, spread - d * spreads);
     vec4 per_own = 1.0 / (own * own);
     vec4 through = (far_end + place * (near_end - far_end)) * shape.per_base * (1.0 + jump * (per_own - 1.0));
     vec4 edge_spread = edge * (1.0 + jump * (edge_s / own - 1.0));
-    vec4 goes_on = mix(max(1.0 + edge_k * edge_spread, FOCUS), h, in_fan);
-    vec4 by_edge = mix(edge_k, fan, in_fan) / goes_on * (1.0 + jump * (edge_s * edge_s * per_own - 1.0));
+    vec4 by_edge = mix(spread_by(edge_k, edge_spread), fan / h, in_fan) * (1.0 + jump * (edge_s * edge_s * per_own - 1.0));
     vec4 from_foot = place - p;
     vec4 ray_length = sqrt(from_foot * from_foot + h * h);
     vec4 ray = mix(edge, c * ray_length * (from_far + place * (from_near - from_far)), inside);

@@ -145,6 +145,59 @@ fn rays_between_half_planes_obey_snells_law() {
     }
 }
 
+/// Returns the time from (-11, 0) to (`across`, `along`), where the slowness is 1 up to 0, and rises linearly to `most` at
+/// 1. Along a ray the slowness times the sine of its angle is constant.
+fn over_slope([across, along]: [f64; 2], most: f64) -> f64 {
+    const STEPS: usize = 400;
+    let slowness = |at: f64| 1.0 + (most - 1.0) * at.clamp(0.0, 1.0);
+    // The sums of time and way for a ray of the constant `sine`.
+    let sums = |sine: f64| {
+        let mut found = [0.0; 2];
+        for (from, to) in [(-11.0, across.min(0.0)), (0.0, across.min(1.0)), (1.0, across)] {
+            let step = f64::max(to - from, 0.0) / STEPS as f64;
+            for k in 0..STEPS {
+                let slowness = slowness(from + (k as f64 + 0.5) * step);
+                let cosine = (slowness * slowness - sine * sine).sqrt();
+                found = [found[0] + cosine * step, found[1] + sine / cosine * step];
+            }
+        }
+        found
+    };
+    let (mut low, mut high) = (0.0, 1.0);
+    for _ in 0..60 {
+        let sine = 0.5 * (low + high);
+        if sums(sine)[1] < along.abs() { low = sine } else { high = sine }
+    }
+    sums(low)[0] + low * along.abs()
+}
+
+/// Where a slope of the slowness begins and ends, curved fronts do not know what the kink adds to their curvature. They
+/// are late by some thousandths behind slopes of eight points and more. Before fronts that would meet a focus went on as
+/// straight ones, it was 3 %.
+#[test]
+fn slopes_of_the_slowness_are_crossed_at_any_resolution() {
+    for most in [1.5, 3.0, 10.0] {
+        for points in [1, 2, 4, 8, 16] {
+            let across = |col: usize| col as f64 / points as f64 - 11.0;
+            let chart = Chart { rows: 26 * points + 1, cols: 18 * points + 1 };
+            let slowness =
+                |index: usize| 1.0 + (most - 1.0) * across(index % chart.cols).clamp(0.0, 1.0);
+            let slowness = (0..chart.points()).map(slowness).collect();
+            let found = map(&flat(chart, 1.0 / points as f64, slowness), (0, 0), Wavefront::Curved);
+            let mut worst = 0.0;
+            for along in (0..=26).step_by(2) {
+                for col in (12..=18).map(|unit| unit * points) {
+                    let right = over_slope([across(col), f64::from(along)], most);
+                    let time = found[chart.index(along as usize * points, col)];
+                    worst = f64::max(worst, (time / right - 1.0).abs());
+                }
+            }
+            println!("{most}, {points} points: {worst:.1e}");
+            assert!(worst < 5e-3, "{most}, {points} points: {worst:e}");
+        }
+    }
+}
+
 /// Returns the mean error for a velocity that grows linearly with the row. Rays are arcs of circles, and times
 /// are known.
 fn linear(points: usize, wavefront: Wavefront) -> f64 {

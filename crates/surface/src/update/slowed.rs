@@ -153,6 +153,16 @@ impl<R: Real> Slope<R> {
     }
 }
 
+/// Returns the curvature of a front after a length in which it spreads as on a plane. A front that would meet its focus
+/// goes on as a straight one. Behind its focus it would be late, and it does not come first there. Where a slope of the
+/// slowness begins or ends, the curvature of the front misses what the kink adds to it, and fronts that spread seem to
+/// have a focus.
+#[inline(always)]
+fn spread_by<R: Real>(curvature: R, length: R) -> R {
+    let goes_on = R::one() + curvature * length;
+    if goes_on < R::of(FOCUS) { R::zero() } else { curvature / goes_on }
+}
+
 /// Returns the arrival time at x0 of a straight front that reaches x1 and x2 at t1 and t2, given the slowness
 /// at x0, x1 and x2. A front through the triangle arrives no earlier than the later of both times, see
 /// [`super::planar()`]; a front along an edge may arrive earlier.
@@ -311,13 +321,12 @@ pub fn curved_slowed_at<R: Real, const UNEVEN: bool, const FACE: bool>(
     let from = far + place * (near - far);
     let spreads = one + jump * (one / (from * own) - one);
     let spread = max(rise, zero) * spreads;
-    let far_end = far_kappa / max(one + far_kappa * spread, focus);
-    let near_end = near_kappa / max(one + near_kappa * (spread - d * spreads), focus);
+    let far_end = spread_by(far_kappa, spread);
+    let near_end = spread_by(near_kappa, spread - d * spreads);
     let through = (far_end + place * (near_end - far_end)) * shape.per_base * passes(one, own);
     let edge_spread = edge * (one + jump * (edge_s / own - one));
-    let (by_edge, per_edge) =
-        if in_fan { (fan, h) } else { (edge_k, max(one + edge_k * edge_spread, focus)) };
-    let by_edge = by_edge / per_edge * passes(edge_s, own);
+    let by_edge = if in_fan { fan / h } else { spread_by(edge_k, edge_spread) };
+    let by_edge = by_edge * passes(edge_s, own);
     let from_foot = place - p;
     let length = (from_foot * from_foot + h * h).sqrt();
     let ray = if inside { c * length * (from_far + place * (from_near - from_far)) } else { edge };
