@@ -20,9 +20,9 @@ pub enum Order {
     /// occupies one thread. It is best where a slowness changes much from point to point. For anchored fronts it stands
     /// for [`Self::Lines`].
     Times,
-    /// The same in patches of the grid with a queue each, which go on in rounds of the same time. They occupy all threads
-    /// of the pool. On glued surfaces, and where updates read points that are farther away than an eighth of a side, it
-    /// stands for [`Self::Times`].
+    /// Points in the order of [`Self::Times`], in patches of the grid with a queue each. All patches solve up to the same
+    /// time in a round, and occupy all threads of the pool. On glued surfaces, and where updates read points that are
+    /// farther away than an eighth of a side, it stands for [`Self::Times`].
     TimesInPatches {
         /// Number of points on a side of a patch.
         side: usize,

@@ -19,8 +19,8 @@ use geosweep_surface::lanes::Loop;
 use geosweep_surface::update::{StoredFront, tag_of};
 use geosweep_surface::{Block, Chart, Convergence, EdgeLengths, Real, Seed, Stop, Tiling};
 
-/// Number of buckets of a round: the time of about two edges. With 16 buckets 1.05 to 1.5 points are computed for each
-/// point.
+/// Number of buckets of a round: the time of about two edges. With 16 buckets 1.05 to 1.6 points are computed for each
+/// point of the surface.
 const ROUND: f64 = 4.0;
 
 /// Number of buckets of a patch whose points are not sorted again.
@@ -55,9 +55,9 @@ struct Patch<R: Real, K: TriangleKind<R>> {
     block: Block,
     /// The solver, from the first front that reaches the patch on.
     solver: Option<BucketScanner<R, K>>,
-    /// Fronts around the patch since its last round, and fronts that its last round has brought to points that others
-    /// see.
+    /// Fronts that have reached points around the patch since its last round.
     told: Vec<Told<R, K::Carried>>,
+    /// Fronts that its last round has brought to points that other patches see.
     news: Vec<Told<R, K::Carried>>,
     /// A time before which nothing is left to do.
     next: f64,

@@ -67,7 +67,7 @@ const BUCKETS: usize = 1 << 11;
 /// Mean number of computations of a point after which a map counts as one that does not converge.
 const MOST_COMPUTED: u64 = 64;
 
-/// What solvers of all patches of a surface share.
+/// The data of a surface that the solvers of all its patches share.
 #[derive(Clone, Debug)]
 struct Shared<R: Real, K> {
     edges: EdgeLengths<R>,

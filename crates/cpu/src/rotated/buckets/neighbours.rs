@@ -10,7 +10,7 @@ use rayon::prelude::*;
 pub(super) struct Neighbours {
     to: [Offset; 8],
     stride: usize,
-    /// The same on the surface, whose arrays hold the edges.
+    /// The neighbours in the arrays of the surface, which hold the edges.
     on_surface: [Offset; 8],
     stride_on_surface: usize,
 }
