@@ -9,6 +9,7 @@ use super::arc::EdgeRule;
 use super::chart::{Direction, EdgeSlot, ring};
 use super::edges::EdgeLengths;
 use super::kept;
+use super::precision::{OfEdges, of_edges};
 use super::real::{Real, max, min};
 use super::slowed_curvature::SlowedCurvature;
 use super::tag::Tagged;
@@ -36,7 +37,8 @@ impl<R: Real> EdgeLengths<R> {
     }
 
     fn kept_gaussian_curvature(&self) -> &Arc<Vec<R>> {
-        kept(&self.shared.gaussian_curvature, || Arc::new(gaussian_curvature(self)))
+        static CURVATURE: OfEdges<Vec<f32>, Vec<f64>> = (gaussian_curvature, gaussian_curvature);
+        kept(&self.shared.gaussian_curvature, || Arc::new(of_edges(self, CURVATURE)))
     }
 }
 

@@ -45,6 +45,9 @@ impl Instructions {
 pub trait Loop {
     type Output;
 
+    /// Whether the loop is compiled for AVX-512 too. Otherwise it runs with AVX2 on machines that have both.
+    const AVX512: bool = true;
+
     fn run(self) -> Self::Output;
 }
 
@@ -81,7 +84,10 @@ impl Instructions {
             Self::Avx2 => unsafe { avx2(work) },
             // SAFETY: as above.
             #[cfg(target_arch = "x86_64")]
-            Self::Avx512 => unsafe { avx512(work) },
+            Self::Avx512 if L::AVX512 => unsafe { avx512(work) },
+            // SAFETY: as above; machines that count as having AVX-512 have AVX2.
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512 => unsafe { avx2(work) },
         }
     }
 }

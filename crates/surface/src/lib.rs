@@ -36,6 +36,7 @@ mod monitor;
 pub mod name;
 mod obtuse;
 mod points;
+mod precision;
 mod real;
 mod refine;
 mod resolution;

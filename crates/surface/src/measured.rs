@@ -1,7 +1,7 @@
 //! Measures the edges of a surface, row by row and in parallel. The arithmetic is in `measure.rs`.
 
 use std::ops::Range;
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex, OnceLock};
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -17,6 +17,7 @@ use super::obtuse::lists::ObtuseTriangles;
 use super::obtuse::parts::SplitParts;
 use super::obtuse::reach::of_updates;
 use super::points::Row;
+use super::precision::same;
 use super::real::{LONGEST_EDGE, Real, SHORTEST_EDGE};
 use super::{Surface, SurfaceError};
 
@@ -45,85 +46,111 @@ impl<R: Real> EdgeLengths<R> {
         surface: &Surface,
         go_on: impl Fn() -> Result<(), E> + Sync,
     ) -> Result<Self, E> {
-        Self::measured_from(surface, surface.origin(), go_on)
+        let failure = Mutex::new(None);
+        let goes_on = || match go_on() {
+            Ok(()) => true,
+            Err(error) => {
+                *failure.lock().expect("nothing panics while it is held") = Some(error);
+                false
+            }
+        };
+        let measured = Self::measured_from(surface, surface.origin(), &goes_on);
+        measured.map_err(|error| match error {
+            Some(error) => error.into(),
+            None => {
+                let failure = failure.into_inner().expect("nothing panics while it is held");
+                failure.expect("only a failure ends the work")
+            }
+        })
     }
 
-    /// Measures the edges of a surface with positions relative to `origin`.
-    fn uninterrupted(surface: &Surface, origin: DVec3) -> Result<Self, SurfaceError> {
-        // A closure would have a new type at each level of the recursion through `strips::measured`.
-        fn go_on() -> Result<(), SurfaceError> {
-            Ok(())
-        }
-        Self::measured_from(surface, origin, go_on)
-    }
-
-    /// Measures the edges of a surface as [`Self::measured`] does, with positions relative to `origin`.
-    pub(super) fn measured_from<E: From<SurfaceError> + Send>(
+    /// Measures the edges of a surface as [`Self::measured`] does, with positions relative to `origin`. The error is
+    /// `None` if `goes_on` returns false.
+    pub(super) fn measured_from(
         surface: &Surface,
         origin: DVec3,
-        go_on: impl Fn() -> Result<(), E> + Sync,
-    ) -> Result<Self, E> {
-        let chart = surface.chart();
-        // Zeroed memory costs nothing here; every value is written below, by many threads at once.
-        let mut lengths = [(); 4].map(|_| vec![R::zero(); chart.bordered_points()]);
-        lengths.iter_mut().for_each(|plane| chart.fill_border_rows(plane, R::FAR));
-        let [east, north, north_east, north_west] = &mut lengths;
-        let rows = |plane| chart.bordered_rows_mut(plane);
-        let mut cells = MarkedCells::none(chart);
-        (rows(east), rows(north), rows(north_east), rows(north_west), cells.rows_mut())
-            .into_par_iter()
-            .chunks(BAND)
-            .enumerate()
-            .try_for_each(|(band, mut lines)| {
-                go_on()?;
-                let first = band * BAND;
-                let mut row_above = RowAbove::none(chart.cols);
-                let band = first.saturating_sub(1)..first + lines.len();
-                surface.measure_rows(band, origin, |row, lengths| {
-                    row_above.next(lengths);
-                    let Some(row) = row.checked_sub(first) else { return };
-                    let (east, north, north_east, north_west, marks) = &mut lines[row];
-                    marks.copy_from_slice(&row_above.marks);
-                    for (line, lengths) in
-                        [east, north, north_east, north_west].into_iter().zip(lengths)
-                    {
-                        let [before, line @ .., after] = &mut **line else { continue };
-                        (*before, *after) = (R::FAR, R::FAR);
-                        line.copy_from_slice(lengths);
-                    }
-                })?;
-                Ok::<_, E>(())
-            })?;
-        let strips = strips::measured(surface, |part| Self::uninterrupted(part, origin))?;
-        strips::replace_lengths(&strips, chart, &mut lengths);
-        let slowness = surface.bordered_slowness();
-        // The marks of cells do not hold with a slowness, since they come from weighted lengths, nor on glued
-        // surfaces, since lengths beside seams have changed after the marking.
-        let obtuse = match (slowness.is_some() || surface.is_glued(), cells.any()) {
-            (true, _) => ObtuseTriangles::default(),
-            (false, true) => ObtuseTriangles::within(cells),
-            (false, false) => ObtuseTriangles::none(),
-        };
-        let shared = SharedEdges {
-            chart,
-            lengths,
-            rule: surface.edge_rule(),
-            slowed_unevenly: surface.is_slowed_unevenly(),
-            slowness: slowness.map(Arc::new),
-            metric_curvature: surface.metric_curvature(),
-            floor: surface.floor(),
-            gaussian_curvature: OnceLock::new(),
-            fans: OnceLock::new(),
-            obtuse,
-            parts: SplitParts::default(),
-            copies: surface
-                .copies()
-                .map(|groups| groups.mapped(|index| chart.bordered_point(index))),
-            strips,
-            of_glued: surface.is_glued(),
-        };
-        Ok(Self { shared: Arc::new(shared), beside_a_source: false })
+        goes_on: GoesOn,
+    ) -> Result<Self, Option<SurfaceError>> {
+        static MEASURED: (Measured<f32>, Measured<f64>) = (measured, measured);
+        if size_of::<R>() == size_of::<f32>() {
+            Ok(same(MEASURED.0(surface, origin, goes_on)?))
+        } else {
+            Ok(same(MEASURED.1(surface, origin, goes_on)?))
+        }
     }
+}
+
+/// Whether to go on, asked before each band of rows.
+type GoesOn<'a> = &'a (dyn Fn() -> bool + Sync);
+
+type Measured<R> = fn(&Surface, DVec3, GoesOn) -> Result<EdgeLengths<R>, Option<SurfaceError>>;
+
+/// Measures edges; see [`EdgeLengths::measured_from`].
+fn measured<R: Real>(
+    surface: &Surface,
+    origin: DVec3,
+    goes_on: GoesOn,
+) -> Result<EdgeLengths<R>, Option<SurfaceError>> {
+    let chart = surface.chart();
+    // Zeroed memory costs nothing here; every value is written below, by many threads at once.
+    let mut lengths = [(); 4].map(|_| vec![R::zero(); chart.bordered_points()]);
+    lengths.iter_mut().for_each(|plane| chart.fill_border_rows(plane, R::FAR));
+    let [east, north, north_east, north_west] = &mut lengths;
+    let rows = |plane| chart.bordered_rows_mut(plane);
+    let mut cells = MarkedCells::none(chart);
+    (rows(east), rows(north), rows(north_east), rows(north_west), cells.rows_mut())
+        .into_par_iter()
+        .chunks(BAND)
+        .enumerate()
+        .try_for_each(|(band, mut lines)| {
+            if !goes_on() {
+                return Err(None);
+            }
+            let first = band * BAND;
+            let mut row_above = RowAbove::none(chart.cols);
+            let band = first.saturating_sub(1)..first + lines.len();
+            surface.measure_rows(band, origin, |row, lengths| {
+                row_above.next(lengths);
+                let Some(row) = row.checked_sub(first) else { return };
+                let (east, north, north_east, north_west, marks) = &mut lines[row];
+                marks.copy_from_slice(&row_above.marks);
+                for (line, lengths) in
+                    [east, north, north_east, north_west].into_iter().zip(lengths)
+                {
+                    let [before, line @ .., after] = &mut **line else { continue };
+                    (*before, *after) = (R::FAR, R::FAR);
+                    line.copy_from_slice(lengths);
+                }
+            })?;
+            Ok(())
+        })?;
+    let strips = strips::measured(surface, |part| measured(part, origin, &|| true))?;
+    strips::replace_lengths(&strips, chart, &mut lengths);
+    let slowness = surface.bordered_slowness();
+    // The marks of cells do not hold with a slowness, since they come from weighted lengths, nor on glued
+    // surfaces, since lengths beside seams have changed after the marking.
+    let obtuse = match (slowness.is_some() || surface.is_glued(), cells.any()) {
+        (true, _) => ObtuseTriangles::default(),
+        (false, true) => ObtuseTriangles::within(cells),
+        (false, false) => ObtuseTriangles::none(),
+    };
+    let shared = SharedEdges {
+        chart,
+        lengths,
+        rule: surface.edge_rule(),
+        slowed_unevenly: surface.is_slowed_unevenly(),
+        slowness: slowness.map(Arc::new),
+        metric_curvature: surface.metric_curvature(),
+        floor: surface.floor(),
+        gaussian_curvature: OnceLock::new(),
+        fans: OnceLock::new(),
+        obtuse,
+        parts: SplitParts::default(),
+        copies: surface.copies().map(|groups| groups.mapped(|index| chart.bordered_point(index))),
+        strips,
+        of_glued: surface.is_glued(),
+    };
+    Ok(EdgeLengths { shared: Arc::new(shared), beside_a_source: false })
 }
 
 impl Surface {

@@ -15,6 +15,7 @@ use crate::angle::angle_of;
 use crate::chart::{Direction, EdgeSlot, ring};
 use crate::edges::EdgeLengths;
 use crate::lanes::{Instructions, Loop};
+use crate::precision::{OfEdges, of_edges};
 use crate::{Real, kept, max, min};
 
 /// The Gaussian curvature of the surface at a point, with its tag, and the angles of the point's eight edges.
@@ -48,7 +49,8 @@ impl<R: Real> EdgeLengths<R> {
     /// Returns the fan of each point of the bordered array. The fans are computed on the first call.
     #[doc(hidden)]
     pub fn shared_fans(&self) -> Arc<Vec<Fan<R>>> {
-        kept(&self.shared.fans, || Arc::new(fans(self))).clone()
+        static FANS: OfEdges<Vec<Fan<f32>>, Vec<Fan<f64>>> = (fans, fans);
+        kept(&self.shared.fans, || Arc::new(of_edges(self, FANS))).clone()
     }
 
     /// Returns the angle in a point's fan of a step in rows and columns, as a word. It follows from the triangle that

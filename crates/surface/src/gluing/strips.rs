@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 use super::super::chart::{Block, Chart, STORED};
 use super::super::edges::Strip;
-use super::super::{EdgeLengths, Real, Surface, SurfaceError};
+use super::super::{EdgeLengths, Real, Surface};
 use super::lattice::Lattice;
 
 /// Number of lines beside a seam whose edges and curvatures depend on points beyond it.
@@ -31,10 +31,10 @@ impl<R: Real> Strip<R> {
 }
 
 /// Measures the strips of a surface across its seams. `open` measures an open surface.
-pub(in super::super) fn measured<R: Real>(
+pub(in super::super) fn measured<R: Real, E>(
     surface: &Surface,
-    open: impl Fn(&Surface) -> Result<EdgeLengths<R>, SurfaceError>,
-) -> Result<Vec<Strip<R>>, SurfaceError> {
+    open: impl Fn(&Surface) -> Result<EdgeLengths<R>, E>,
+) -> Result<Vec<Strip<R>>, E> {
     let Some(glued) = &surface.glued else { return Ok(Vec::new()) };
     let (chart, Lattice { cols, rows, .. }) = (surface.chart(), glued.lattice);
     let across = |lines: usize| [0..DEPTH.min(lines), lines.saturating_sub(DEPTH)..lines];

@@ -12,6 +12,7 @@ use crate::constants::{OBTUSE, SPLIT_REACH};
 use crate::edges::EdgeLengths;
 use crate::kept;
 use crate::lanes::{Instructions, Loop};
+use crate::precision::{OfEdges, of_edges};
 use crate::real::Real;
 
 /// Returns whether a triangle with an area is obtuse at x0, given the squares of its sides at x0 divided by
@@ -31,7 +32,8 @@ impl<R: Real> EdgeLengths<R> {
     }
 
     fn found(&self) -> Option<&Found> {
-        kept(&self.shared.obtuse.found, || obtuse_triangles(self)).as_ref()
+        static FOUND: OfEdges<Option<Found>, Option<Found>> = (obtuse_triangles, obtuse_triangles);
+        kept(&self.shared.obtuse.found, || of_edges(self, FOUND)).as_ref()
     }
 
     /// Returns the points with obtuse triangles in part of a row or column of the bordered array, by their places in
