@@ -28,12 +28,12 @@ impl<R: Real, K: TriangleKind<R>> BucketScanner<R, K> {
             *end = lanes.count;
         }
         self.triangles += lanes.count as u64;
-        self.kind.arrivals(lanes, arrivals);
+        self.shared.kind.arrivals(lanes, arrivals);
         let mut start = 0;
         for (&point, &end) in batch.iter().zip(&ends) {
             let mut first = arrivals[start..end].iter().copied().reduce(K::Carried::earlier);
             start = end;
-            if self.parts.is_some() {
+            if self.shared.parts.is_some() {
                 first = self.through_parts(point, first);
             }
             self.settle(point, first);
@@ -54,10 +54,10 @@ impl<R: Real, K: TriangleKind<R>> BucketScanner<R, K> {
             lanes.count = 0;
             solver.add_behind(copy, lanes);
             solver.triangles += lanes.count as u64;
-            solver.kind.arrivals(lanes, arrivals);
+            solver.shared.kind.arrivals(lanes, arrivals);
             let all = first.into_iter().chain(arrivals[..lanes.count].iter().copied());
             first = all.reduce(K::Carried::earlier);
-            if solver.parts.is_some() {
+            if solver.shared.parts.is_some() {
                 first = solver.through_parts(copy, first);
             }
         });
@@ -67,14 +67,14 @@ impl<R: Real, K: TriangleKind<R>> BucketScanner<R, K> {
     #[inline(always)]
     fn add_behind(&self, point: usize, lanes: &mut Pulled<R, K::Carried>) {
         let fronts = (self.fronts.settled.as_slice(), self.fronts.carried.as_slice());
-        self.neighbours.add_behind(&self.lengths, fronts, self.place(point), lanes);
+        self.neighbours.add_behind(&self.shared.lengths, fronts, self.place(point), lanes);
     }
 
     /// Returns the earlier of a front at a point and the fronts through parts of its obtuse triangles.
     #[inline(never)]
     fn through_parts(&self, point: usize, first: Option<K::Arrival>) -> Option<K::Arrival> {
         let on_surface = self.view.on_surface(point);
-        let parts = self.parts.iter().flat_map(|parts| parts.behind(on_surface));
+        let parts = self.shared.parts.iter().flat_map(|parts| parts.behind(on_surface));
         let arrivals = parts.filter_map(|part| self.through_part(on_surface, part));
         first.into_iter().chain(arrivals).reduce(K::Carried::earlier)
     }
@@ -91,7 +91,12 @@ impl<R: Real, K: TriangleKind<R>> BucketScanner<R, K> {
         let ([a, b], [l1, l2, c]) = (fronts, part.lengths);
         let triangle = Triangle { t1: a.time, t2: b.time, l1, l2, c };
         let corners = [point, part.corners[0], part.corners[1]];
-        Some(self.kind.arrival_over(corners, triangle, [a.carried, b.carried], part.slowness))
+        Some(self.shared.kind.arrival_over(
+            corners,
+            triangle,
+            [a.carried, b.carried],
+            part.slowness,
+        ))
     }
 
     /// Gives a point and its copies the first front that arrives there from earlier points.
@@ -109,7 +114,7 @@ impl<R: Real, K: TriangleKind<R>> BucketScanner<R, K> {
             self.call_back_after(point, before, after);
         }
         let time = after.time.wide();
-        if time > self.settings.limit.time() || self.queue.is_later(time) {
+        if time > self.shared.settings.limit.time() || self.queue.is_later(time) {
             self.postpone(point, after);
         } else {
             self.finish(point, after);
@@ -119,7 +124,7 @@ impl<R: Real, K: TriangleKind<R>> BucketScanner<R, K> {
     /// Makes the front at a point and its copies final.
     #[inline(always)]
     fn finish(&mut self, point: usize, front: StoredFront<R, K::Carried>) {
-        if self.edges.copies().is_some() {
+        if self.shared.edges.copies().is_some() {
             self.each_copy(point, |solver, copy| solver.finish_one(copy, front));
         } else {
             self.finish_one(point, front);
@@ -149,7 +154,7 @@ impl<R: Real, K: TriangleKind<R>> BucketScanner<R, K> {
             if self.states[point].is(State::SHARED) {
                 self.news.push(point as u32);
             }
-        } else if front.time.wide() > self.settings.limit.time() {
+        } else if front.time.wide() > self.shared.settings.limit.time() {
             self.beyond.push(point as u32);
         } else {
             self.queue.push(point as u32, front.time.wide());

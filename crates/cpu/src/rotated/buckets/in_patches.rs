@@ -10,12 +10,11 @@ use rayon::prelude::*;
 
 use super::state::{State, none};
 use super::view::View;
-use super::{BucketScanner, MOST_COMPUTED, Shared};
+use super::{BucketScanner, MOST_COMPUTED, Round, Shared};
 use crate::fronts::{Fronts, MOST, Pulled, TriangleKind};
 use crate::limit::Limit;
 use crate::rotated::prepared::Settings;
 use crate::rotated::scans::{PatchCounts, Scans};
-use geosweep_surface::lanes::Loop;
 use geosweep_surface::update::{StoredFront, tag_of};
 use geosweep_surface::{Block, Chart, Convergence, EdgeLengths, Real, Seed, Stop, Tiling};
 
@@ -44,7 +43,7 @@ pub(in crate::rotated) fn in_order_of_time<R: Real, K: TriangleKind<R>>(
 
 /// The front at a point of the surface, for a patch that sees the point.
 #[derive(Clone, Copy, Debug)]
-struct Told<R, C> {
+pub(super) struct Told<R, C> {
     on_surface: u32,
     front: StoredFront<R, C>,
 }
@@ -105,7 +104,7 @@ impl<R: Real, K: TriangleKind<R>> PatchedBuckets<R, K> {
         let arrivals: Vec<_> = seeds.iter().map(arrival).collect();
         // The kind of front may depend on all seeds.
         let kind = self.shared.kind.clone();
-        self.solvers().for_each(|solver| solver.kind = kind.clone());
+        self.solvers().for_each(|solver| solver.shared.kind = kind.clone());
         for (seed, arrival) in arrivals {
             let place = (seed.row, seed.col);
             let ((row, col), _) = self.tiling.tile_of(place);
@@ -137,7 +136,8 @@ impl<R: Real, K: TriangleKind<R>> PatchedBuckets<R, K> {
             if self.shared.settings.monitor.is_cancelled() {
                 break;
             }
-            if self.visits() > MOST_COMPUTED * (self.reached() + 1000) {
+            let reached = self.sum(|solver| solver.reached.len() as u64);
+            if self.visits() > MOST_COMPUTED * (reached + 1000) {
                 residual = f64::INFINITY;
                 break;
             }
@@ -194,7 +194,7 @@ impl<R: Real, K: TriangleKind<R>> PatchedBuckets<R, K> {
         let limit = self.shared.settings.limit.time();
         if limit < before {
             for solver in self.solvers() {
-                solver.settings.limit = Limit::at(limit);
+                solver.shared.settings.limit = Limit::at(limit);
                 solver.requeue_waiting();
             }
         }
@@ -215,11 +215,6 @@ impl<R: Real, K: TriangleKind<R>> PatchedBuckets<R, K> {
                 }
             }
         });
-    }
-
-    fn reached(&self) -> u64 {
-        let solvers = self.patches.iter().filter_map(|patch| patch.solver.as_ref());
-        solvers.map(|solver| solver.reached.len() as u64).sum()
     }
 
     fn sum(&self, of: impl Fn(&BucketScanner<R, K>) -> u64) -> u64 {
@@ -285,49 +280,20 @@ impl<R: Real, K: TriangleKind<R>> BucketScanner<R, K> {
         self.queue.go_back(earliest);
         let (mut lanes, mut arrivals) =
             (Box::new(Pulled::new()), [K::Carried::arrival_of_front(none()); MOST]);
-        let instructions = self.settings.instructions;
+        let instructions = self.shared.settings.instructions;
         instructions.run(Round {
             solver: self,
             lanes: &mut lanes,
             arrivals: &mut arrivals,
             told,
-            until,
+            until: Some(until),
         });
         self.queue.next().unwrap_or(f64::INFINITY)
     }
-}
 
-/// A round of a patch.
-struct Round<'a, R: Real, K: TriangleKind<R>> {
-    solver: &'a mut BucketScanner<R, K>,
-    lanes: &'a mut Pulled<R, K::Carried>,
-    arrivals: &'a mut [K::Arrival; MOST],
-    told: &'a [Told<R, K::Carried>],
-    until: f64,
-}
-
-impl<R: Real, K: TriangleKind<R>> Loop for Round<'_, R, K> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let Self { solver, lanes, arrivals, told, until } = self;
-        for &told in told {
-            solver.hear(told, lanes, arrivals);
-        }
-        loop {
-            while solver.run_batch(lanes, arrivals) {}
-            if !solver.advance(until) {
-                break;
-            }
-        }
-    }
-}
-
-impl<R: Real, K: TriangleKind<R>> BucketScanner<R, K> {
     /// Takes in the front at a point of another patch.
     #[inline(always)]
-    fn hear(
+    pub(super) fn hear(
         &mut self,
         Told { on_surface, front }: Told<R, K::Carried>,
         lanes: &mut Pulled<R, K::Carried>,
@@ -361,7 +327,7 @@ impl<R: Real, K: TriangleKind<R>> Scans<R> for PatchedBuckets<R, K> {
             patch.told.clear();
             if let Some(solver) = &mut patch.solver {
                 solver.forget();
-                solver.settings = settings.clone();
+                solver.shared.settings = settings.clone();
             }
         }
         self.seed(seeds);

@@ -17,6 +17,7 @@ mod view;
 
 use std::sync::Arc;
 
+use self::in_patches::Told;
 pub(super) use self::in_patches::in_order_of_time;
 use self::neighbours::{Lengths, Neighbours, Place, lengths_of};
 use self::queue::{Buckets, width};
@@ -34,13 +35,9 @@ use geosweep_surface::{Block, Convergence, EdgeLengths, Monitor, PartsAround, Re
 /// A solver for one kind of front; see [`crate::RotatedScan`].
 #[derive(Clone, Debug)]
 pub(crate) struct BucketScanner<R: Real, K: TriangleKind<R>> {
-    edges: EdgeLengths<R>,
-    kind: K,
-    settings: Settings,
+    shared: Shared<R, K>,
     view: View,
     neighbours: Neighbours,
-    lengths: Arc<Lengths<R>>,
-    parts: Option<Arc<PartsAround<R>>>,
     fronts: StoredFronts<R, K::Carried>,
     states: Vec<State>,
     queue: Buckets,
@@ -108,23 +105,18 @@ impl<R: Real, K: TriangleKind<R>> BucketScanner<R, K> {
 
     /// Returns a solver for the points of a view, with a queue of `buckets` buckets.
     fn of(shared: Shared<R, K>, view: View, buckets: usize) -> Self {
-        let Shared { edges, kind, settings, lengths, parts, width } = shared;
         let points = view.layout().bordered_points();
         Self {
-            neighbours: Neighbours::new(edges.chart(), view.layout()),
-            edges,
-            parts,
-            kind,
-            settings,
+            neighbours: Neighbours::new(shared.edges.chart(), view.layout()),
+            queue: Buckets::new(shared.width, buckets),
+            shared,
             view,
-            lengths,
             fronts: StoredFronts {
                 times: vec![R::FAR; points],
                 carried: vec![K::Carried::default(); points],
                 settled: vec![R::FAR; points],
             },
             states: vec![State::default(); points],
-            queue: Buckets::new(width, buckets),
             beyond: Vec::new(),
             seeds: Vec::new(),
             reached: Vec::new(),
@@ -136,7 +128,7 @@ impl<R: Real, K: TriangleKind<R>> BucketScanner<R, K> {
 
     /// Resets all points to unreached.
     fn forget(&mut self) {
-        self.kind.forget();
+        self.shared.kind.forget();
         for &point in &self.reached {
             self.fronts.set(point as usize, none());
             self.fronts.settled[point as usize] = R::FAR;
@@ -162,9 +154,9 @@ impl<R: Real, K: TriangleKind<R>> BucketScanner<R, K> {
     }
 
     fn seed(&mut self, seeds: &[Seed]) {
-        self.kind.expect(seeds);
+        self.shared.kind.expect(seeds);
         for seed in seeds {
-            let arrival = self.kind.arrival_of_seed(seed);
+            let arrival = self.shared.kind.arrival_of_seed(seed);
             self.plant(self.view.at((seed.row, seed.col)), arrival, tag_of(seed));
         }
     }
@@ -207,7 +199,7 @@ impl<R: Real, K: TriangleKind<R>> BucketScanner<R, K> {
 
     /// Calls `visit` with all copies of a point, on a glued surface, including the point itself.
     fn each_copy(&mut self, point: usize, mut visit: impl FnMut(&mut Self, usize)) {
-        match self.edges.clone().copies().and_then(|copies| copies.around(point)) {
+        match self.shared.edges.clone().copies().and_then(|copies| copies.around(point)) {
             Some(copies) => copies.iter().for_each(|&copy| visit(self, copy as usize)),
             None => visit(self, point),
         }
@@ -215,7 +207,7 @@ impl<R: Real, K: TriangleKind<R>> BucketScanner<R, K> {
 
     /// Lets a point and its copies wait in the queue for a front that arrives at a time.
     fn wait(&mut self, point: usize, time: R) {
-        if self.edges.copies().is_none() {
+        if self.shared.edges.copies().is_none() {
             self.fronts.settled[point] = R::FAR;
             self.states[point].set(State::WAITS);
         } else {
@@ -224,30 +216,33 @@ impl<R: Real, K: TriangleKind<R>> BucketScanner<R, K> {
                 solver.states[copy].set(State::WAITS);
             });
         }
-        self.queue.push(point as u32, time.wide().min(self.settings.limit.time()));
+        self.queue.push(point as u32, time.wide().min(self.shared.settings.limit.time()));
     }
 
     /// Computes the fronts of points until none waits, up to the limit.
     fn run(&mut self) -> Convergence {
-        let targets = self.settings.limit.targets().len();
+        let targets = self.shared.settings.limit.targets().len();
         let mut lanes = Box::new(Pulled::new());
         let mut arrivals = [K::Carried::arrival_of_front(none()); MOST];
         let (mut buckets, mut residual) = (0u64, 0.0);
         loop {
-            let instructions = self.settings.instructions;
-            instructions.run(Bucket {
+            let instructions = self.shared.settings.instructions;
+            instructions.run(Round {
                 solver: &mut *self,
                 lanes: &mut lanes,
                 arrivals: &mut arrivals,
+                told: &[],
+                until: None,
             });
             buckets += 1;
             if targets > 0 && (targets <= FEW_TARGETS || buckets.is_multiple_of(SELDOM)) {
                 self.lower_limit();
             }
-            if !self.advance(f64::INFINITY) || self.queue.time() > self.settings.limit.time() {
+            if !self.advance(f64::INFINITY) || self.queue.time() > self.shared.settings.limit.time()
+            {
                 break;
             }
-            if buckets.is_multiple_of(SELDOM) && self.settings.monitor.is_cancelled() {
+            if buckets.is_multiple_of(SELDOM) && self.shared.settings.monitor.is_cancelled() {
                 break;
             }
             if self.taken > MOST_COMPUTED * (self.reached.len() as u64 + 1000) {
@@ -255,30 +250,30 @@ impl<R: Real, K: TriangleKind<R>> BucketScanner<R, K> {
                 break;
             }
         }
-        self.settings.monitor.note(1, residual);
+        self.shared.settings.monitor.note(1, residual);
         Convergence { iterations: 1, residual }
     }
 
     /// Goes on to the next bucket, not beyond a time. Returns whether there is one.
     fn advance(&mut self, until: f64) -> bool {
         let (times, states) = (&self.fronts.times, &self.states);
-        let limit = self.settings.limit.time();
+        let limit = self.shared.settings.limit.time();
         self.queue.advance(until, |point| waiting(times, states, limit, point))
     }
 
     /// Lowers the limit to the time of the targets, once their fronts are final.
     fn lower_limit(&mut self) {
-        let before = self.settings.limit.time();
+        let before = self.shared.settings.limit.time();
         let (view, settled) = (&self.view, &self.fronts.settled);
-        self.settings.limit.lower(|[row, col]| settled[view.at((row, col))].wide());
-        if self.settings.limit.time() < before {
+        self.shared.settings.limit.lower(|[row, col]| settled[view.at((row, col))].wide());
+        if self.shared.settings.limit.time() < before {
             self.requeue_waiting();
         }
     }
 
     /// Sorts points that wait into buckets again, up to a later limit.
     fn go_on_to(&mut self, limit: Limit) {
-        self.settings.limit = limit;
+        self.shared.settings.limit = limit;
         self.requeue_waiting();
         for point in std::mem::take(&mut self.beyond) {
             let (point, time) = (point as usize, self.fronts.times[point as usize].wide());
@@ -291,7 +286,7 @@ impl<R: Real, K: TriangleKind<R>> BucketScanner<R, K> {
     /// Sorts all points that wait into buckets again.
     fn requeue_waiting(&mut self) {
         let (times, states) = (&self.fronts.times, &self.states);
-        let limit = self.settings.limit.time();
+        let limit = self.shared.settings.limit.time();
         self.queue.restart(|point| waiting(times, states, limit, point));
     }
 
@@ -308,11 +303,11 @@ impl<R: Real, K: TriangleKind<R>> BucketScanner<R, K> {
             let Some(point) = self.queue.take() else { break };
             if let Some(ahead) = self.queue.ahead(2 * BATCH) {
                 let [rows, on_surface] = self.neighbours.rows_of(self.place(ahead as usize));
-                prefetch_rows(&self.lengths, on_surface);
+                prefetch_rows(&self.shared.lengths, on_surface);
                 prefetch_rows(&self.fronts.times, rows);
                 prefetch_rows(&self.fronts.settled, rows);
                 prefetch_rows(&self.fronts.carried, rows);
-                self.kind.prefetch(on_surface);
+                self.shared.kind.prefetch(on_surface);
             }
             let point = point as usize;
             if self.states[point].is(State::WAITS) {
@@ -322,14 +317,14 @@ impl<R: Real, K: TriangleKind<R>> BucketScanner<R, K> {
             }
         }
         let batch = &batch[..count];
-        if self.edges.copies().is_some() {
+        if self.shared.edges.copies().is_some() {
             batch.iter().for_each(|&point| self.compute_copies(point, lanes, arrivals));
         } else {
             self.compute(batch, lanes, arrivals);
         }
         lanes.count = 0;
         for &point in batch {
-            if self.edges.copies().is_some() {
+            if self.shared.edges.copies().is_some() {
                 self.pass_on_copies(point, lanes, arrivals);
             } else {
                 self.pass_on(point, lanes);
@@ -341,19 +336,31 @@ impl<R: Real, K: TriangleKind<R>> BucketScanner<R, K> {
     }
 }
 
-/// The bucket in work, whose points' fronts are computed.
-struct Bucket<'a, R: Real, K: TriangleKind<R>> {
+/// Computes the fronts of the points that wait in the bucket in work, and in all buckets up to a time if one is given.
+struct Round<'a, R: Real, K: TriangleKind<R>> {
     solver: &'a mut BucketScanner<R, K>,
     lanes: &'a mut Pulled<R, K::Carried>,
     arrivals: &'a mut [K::Arrival; MOST],
+    /// Fronts that have come to points around a patch.
+    told: &'a [Told<R, K::Carried>],
+    until: Option<f64>,
 }
 
-impl<R: Real, K: TriangleKind<R>> Loop for Bucket<'_, R, K> {
+impl<R: Real, K: TriangleKind<R>> Loop for Round<'_, R, K> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
-        while self.solver.run_batch(self.lanes, self.arrivals) {}
+        let Self { solver, lanes, arrivals, told, until } = self;
+        for &told in told {
+            solver.hear(told, lanes, arrivals);
+        }
+        loop {
+            while solver.run_batch(lanes, arrivals) {}
+            if !until.is_some_and(|until| solver.advance(until)) {
+                break;
+            }
+        }
     }
 }
 
@@ -377,13 +384,13 @@ impl<R: Real, K: TriangleKind<R>> Scans<R> for BucketScanner<R, K> {
     }
 
     fn used(&self) -> Vec<Block> {
-        let chart = self.edges.chart();
+        let chart = self.shared.edges.chart();
         let places = self.reached.iter().map(|&point| chart.bordered_position(point as usize));
         places.map(|(row, col)| Block { rows: row..row + 1, cols: col..col + 1 }).collect()
     }
 
     fn settings(&mut self) -> &mut Settings {
-        &mut self.settings
+        &mut self.shared.settings
     }
 
     fn times(&self) -> &[R] {
@@ -403,8 +410,7 @@ impl<R: Real, K: TriangleKind<R>> Scans<R> for BucketScanner<R, K> {
     }
 
     fn bytes(&self) -> usize {
-        let parts = self.parts.as_ref().map_or(0, |parts| parts.bytes());
-        self.own_bytes() + size_of_val(self.lengths.as_slice()) + parts
+        self.own_bytes() + self.shared.bytes()
     }
 
     fn is_in_order_of_time(&self) -> bool {

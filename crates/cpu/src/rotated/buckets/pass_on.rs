@@ -17,7 +17,7 @@ impl<R: Real, K: TriangleKind<R>> BucketScanner<R, K> {
         }
         let StoredFronts { times, settled, .. } = &self.fronts;
         let place = self.place(point);
-        let around = self.neighbours.later(&self.lengths, [times, settled], place);
+        let around = self.neighbours.later(&self.shared.lengths, [times, settled], place);
         for k in bits(around.waiting) {
             self.expect(self.neighbours.neighbour(place, k).here, around.by_edges[k]);
         }
@@ -25,10 +25,10 @@ impl<R: Real, K: TriangleKind<R>> BucketScanner<R, K> {
             let other = self.neighbours.neighbour(place, k);
             if !self.states[other.here].is(State::FOREIGN) {
                 let fronts = (self.fronts.settled.as_slice(), self.fronts.carried.as_slice());
-                self.neighbours.add_beside(&self.lengths, fronts, (other, k + 4), lanes);
+                self.neighbours.add_beside(&self.shared.lengths, fronts, (other, k + 4), lanes);
             }
         }
-        if self.parts.is_some() {
+        if self.shared.parts.is_some() {
             self.pass_on_through_parts(point);
         }
     }
@@ -49,7 +49,7 @@ impl<R: Real, K: TriangleKind<R>> BucketScanner<R, K> {
 
     #[inline(never)]
     fn pass_on_through_parts(&mut self, point: usize) {
-        let Some(parts) = self.parts.take() else { return };
+        let Some(parts) = self.shared.parts.take() else { return };
         let time = self.fronts.times[point];
         for (on_surface, part, length) in parts.beside(self.view.on_surface(point)) {
             let Some(to) = self.view.own(on_surface) else { continue };
@@ -60,7 +60,7 @@ impl<R: Real, K: TriangleKind<R>> BucketScanner<R, K> {
                 self.call_back_if_first(to, arrival);
             }
         }
-        self.parts = Some(parts);
+        self.shared.parts = Some(parts);
     }
 
     /// Lets a point whose front is not final wait for a front that arrives along an edge.
@@ -70,12 +70,12 @@ impl<R: Real, K: TriangleKind<R>> BucketScanner<R, K> {
         if state.is(State::COMPUTED | State::FOREIGN) || time >= before {
             return;
         }
-        if self.edges.copies().is_some() {
+        if self.shared.edges.copies().is_some() {
             self.each_copy(point, |solver, copy| solver.expect_one(copy, time));
         } else {
             self.expect_one(point, time);
         }
-        let limit = self.settings.limit.time();
+        let limit = self.shared.settings.limit.time();
         let [from, to] = [before.wide().min(limit), time.wide().min(limit)];
         self.states[point].set(State::WAITS);
         if before >= R::FAR || !self.queue.share(from, to) {
@@ -102,7 +102,7 @@ impl<R: Real, K: TriangleKind<R>> BucketScanner<R, K> {
             return;
         }
         self.triangles += lanes.count as u64;
-        self.kind.arrivals(lanes, arrivals);
+        self.shared.kind.arrivals(lanes, arrivals);
         for (k, &arrival) in arrivals[..lanes.count].iter().enumerate() {
             self.call_back_if_first(self.view.here(lanes.corners[0][k] as usize), arrival);
         }
@@ -132,11 +132,11 @@ impl<R: Real, K: TriangleKind<R>> BucketScanner<R, K> {
         self.each_copy(point, |solver, copy| {
             let StoredFronts { times, settled, .. } = &solver.fronts;
             let place = solver.place(copy);
-            let around = solver.neighbours.later(&solver.lengths, [times, settled], place);
+            let around = solver.neighbours.later(&solver.shared.lengths, [times, settled], place);
             let neighbour =
                 |k: usize| (solver.neighbours.neighbour(place, k).here, around.by_edges[k]);
             dependent.extend(bits(around.settled).map(neighbour));
-            let parts = solver.parts.iter().flat_map(|parts| parts.beside(place.on_surface));
+            let parts = solver.shared.parts.iter().flat_map(|parts| parts.beside(place.on_surface));
             dependent.extend(
                 parts.filter_map(|(to, _, length)| {
                     Some((solver.view.own(to)?, before.time + length))
