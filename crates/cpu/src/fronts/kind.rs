@@ -22,6 +22,9 @@ pub(crate) trait FrontKind<R: Real>:
     /// A front that arrives at a point.
     type Arrival: Copy;
 
+    /// Whether loops over fronts are compiled for AVX-512 too ([`Loop::AVX512`](geosweep_surface::lanes::Loop::AVX512)).
+    const AVX512: bool = true;
+
     /// Receives all seeds of a map before the first one is added.
     fn expect(&mut self, _: &[Seed]) {}
 

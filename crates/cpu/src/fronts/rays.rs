@@ -66,6 +66,8 @@ impl<R: Real> Rays<R> {
 impl<R: Real> FrontKind<R> for Rays<R> {
     type Carried = CarriedRay<R>;
     type Arrival = RayFront<R>;
+    /// Points at which fronts meet are computed one by one, and take most of the time.
+    const AVX512: bool = false;
 
     fn arrival_of_seed(&mut self, seed: &Seed) -> RayFront<R> {
         let front = Front { time: R::of(seed.time), curvature: R::of(seed.curvature), whole: true };

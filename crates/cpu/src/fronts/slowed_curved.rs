@@ -43,6 +43,8 @@ impl<R: Real> SlowedCurved<R> {
 impl<R: Real> FrontKind<R> for SlowedCurved<R> {
     type Carried = Curvature<R>;
     type Arrival = Front<R>;
+    /// With lanes of 64 bits, LLVM 22 fails to allocate the registers of AVX-512 in loops as long as these.
+    const AVX512: bool = size_of::<R>() == size_of::<f32>();
 
     fn arrival_of_seed(&mut self, seed: &Seed) -> Front<R> {
         self.origins.add(seed);
@@ -178,30 +180,6 @@ impl<R: Real> TriangleKind<R> for SlowedCurved<R> {
     }
 }
 
-/// Returns the front through a triangle, of which only the edges count if it is obtuse. In double precision it is computed
-/// point by point: with loops in lanes of 64 bits, LLVM 22 fails to allocate the registers of AVX-512.
-#[inline(always)]
-fn updated<R: Real, const UNEVEN: bool>(
-    triangle: Triangle<R>,
-    bends: Curvatures<R>,
-    slowness: [R; 3],
-) -> Front<R> {
-    if size_of::<R>() == size_of::<f64>() {
-        return updated_alone(triangle, bends, slowness);
-    }
-    curved_slowed_at::<R, UNEVEN, true>(triangle, bends, slowness)
-}
-
-/// Returns the front of [`updated`], out of line.
-#[inline(never)]
-fn updated_alone<R: Real>(
-    triangle: Triangle<R>,
-    bends: Curvatures<R>,
-    slowness: [R; 3],
-) -> Front<R> {
-    curved_slowed_at::<R, true, true>(triangle, bends, slowness)
-}
-
 /// Returns the fronts through [`TILE`] triangles.
 #[inline(always)]
 fn fronts_of<R: Real, const UNEVEN: bool>(
@@ -218,7 +196,7 @@ fn fronts_of<R: Real, const UNEVEN: bool>(
         let surface = [g0[k], g1[k], g2[k]];
         let bends = Curvatures { fronts: [k1, k2], surface, alone: lanes.alone[k], causal };
         let slowness = [own, s1[k], s2[k]];
-        first.set(k, updated::<R, UNEVEN>(lanes.triangle(k), bends, slowness));
+        first.set(k, curved_slowed_at::<R, UNEVEN, true>(lanes.triangle(k), bends, slowness));
     }
     first
 }
@@ -275,7 +253,7 @@ fn front<R: Real, const LEFT: bool, const UNEVEN: bool>(
     let surface = [seen.own.gaussian[i], g1, g2];
     let bends = Curvatures { fronts: [k1, k2], surface, alone: span.is_alone(i), causal };
     let (triangle, slowness) = seen.triangle::<_, _, LEFT>(span, i);
-    updated::<R, UNEVEN>(triangle, bends, slowness)
+    curved_slowed_at::<R, UNEVEN, true>(triangle, bends, slowness)
 }
 
 /// Returns whether a bound shows that no front through one of the two triangles of point `i` arrives at `now` or before.
@@ -290,21 +268,7 @@ fn is_settled<R: Real, const LEFT: bool, const UNEVEN: bool>(
     let across = if LEFT { before[i].value() } else { after[i].value() };
     let (triangle, slowness) = seen.seen_from_across::<_, _, LEFT>(span, i);
     let fronts = [across, beside[i].value()];
-    if size_of::<R>() == size_of::<f64>() {
-        return is_settled_alone(triangle, fronts, slowness, now);
-    }
     is_settled_slowed::<R, UNEVEN>(triangle, fronts, slowness, now)
-}
-
-/// Returns what [`is_settled_slowed`] does, out of line.
-#[inline(never)]
-fn is_settled_alone<R: Real>(
-    triangle: Triangle<R>,
-    fronts: [R; 2],
-    slowness: [R; 3],
-    now: R,
-) -> bool {
-    is_settled_slowed::<R, true>(triangle, fronts, slowness, now)
 }
 
 /// Returns whether a scan leaves a span of points unchanged.

@@ -30,6 +30,8 @@ impl<R: Real> SlowedPlanar<R> {
 impl<R: Real> FrontKind<R> for SlowedPlanar<R> {
     type Carried = ();
     type Arrival = R;
+    /// With lanes of 64 bits, LLVM 22 fails to allocate the registers of AVX-512 in loops as long as these.
+    const AVX512: bool = size_of::<R>() == size_of::<f32>();
 
     fn arrival_of_seed(&mut self, seed: &Seed) -> R {
         R::of(seed.time)
@@ -134,22 +136,6 @@ impl<R: Real> TriangleKind<R> for SlowedPlanar<R> {
     }
 }
 
-/// Returns the time through a triangle, of which only the edges count if it is obtuse. In double precision it is computed
-/// point by point: with loops in lanes of 64 bits, LLVM 22 fails to allocate the registers of AVX-512.
-#[inline(always)]
-fn time_of<R: Real, const UNEVEN: bool>(triangle: Triangle<R>, slowness: [R; 3]) -> R {
-    if size_of::<R>() == size_of::<f64>() {
-        return time_alone(triangle, slowness);
-    }
-    planar_slowed_at::<R, UNEVEN, true>(triangle, slowness)
-}
-
-/// Returns the time of [`time_of`], out of line.
-#[inline(never)]
-fn time_alone<R: Real>(triangle: Triangle<R>, slowness: [R; 3]) -> R {
-    planar_slowed_at::<R, true, true>(triangle, slowness)
-}
-
 /// Returns the numbers of [`Seen`] in the data of a point.
 #[inline(always)]
 fn numbers<R: Real>(slowness: &R) -> [R; 2] {
@@ -167,7 +153,7 @@ fn times_of<R: Real, const UNEVEN: bool>(
     let mut times = [R::zero(); TILE];
     for (k, time) in times.iter_mut().enumerate() {
         let slowness = [s0[k], s1[k], s2[k]];
-        *time = time_of::<R, UNEVEN>(lanes.triangle(k), slowness);
+        *time = planar_slowed_at::<R, UNEVEN, true>(lanes.triangle(k), slowness);
     }
     times
 }
@@ -202,11 +188,11 @@ fn updated<R: Real, const UNEVEN: bool>(
     let mut after = [R::zero(); TILE];
     for (i, after) in after[..points].iter_mut().enumerate() {
         let (triangle, slowness) = seen.triangle::<(), R, true>(span, i);
-        *after = time_of::<R, UNEVEN>(triangle, slowness);
+        *after = planar_slowed_at::<R, UNEVEN, true>(triangle, slowness);
     }
     for (i, after) in after[..points].iter_mut().enumerate() {
         let (triangle, slowness) = seen.triangle::<(), R, false>(span, i);
-        let time = time_of::<R, UNEVEN>(triangle, slowness);
+        let time = planar_slowed_at::<R, UNEVEN, true>(triangle, slowness);
         *after = first(span.times[i], min(*after, time));
     }
     after

@@ -93,6 +93,7 @@ struct Look<'l, R: Real, K: LaneKind<R>> {
 
 impl<R: Real, K: LaneKind<R>> Loop for Look<'_, R, K> {
     type Output = u64;
+    const AVX512: bool = K::AVX512;
 
     #[inline(always)]
     fn run(self) -> u64 {

@@ -73,6 +73,7 @@ struct LineUpdate<'l, 'g, R: Real, K: LaneKind<R>, const SPLIT: bool> {
 /// span before it. A second update leaves the points in both spans as they are.
 impl<R: Real, K: LaneKind<R>, const SPLIT: bool> Loop for LineUpdate<'_, '_, R, K, SPLIT> {
     type Output = Updated<R::Bits>;
+    const AVX512: bool = K::AVX512;
 
     #[inline(always)]
     fn run(self) -> Updated<R::Bits> {

@@ -86,6 +86,7 @@ struct Merge<'l, R: Real, K: FrontKind<R>> {
 
 impl<R: Real, K: FrontKind<R>> Loop for Merge<'_, R, K> {
     type Output = ();
+    const AVX512: bool = K::AVX512;
 
     #[inline(always)]
     fn run(self) {

@@ -348,6 +348,7 @@ struct Round<'a, R: Real, K: TriangleKind<R>> {
 
 impl<R: Real, K: TriangleKind<R>> Loop for Round<'_, R, K> {
     type Output = ();
+    const AVX512: bool = K::AVX512;
 
     #[inline(always)]
     fn run(self) {
